@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from html import unescape
 from pathlib import Path
 from typing import Any
 
@@ -10,10 +11,11 @@ import pytest
 
 import drystone
 from drystone import Assembly, LoadCase, Model, check, limit_load, limit_tilt
+from drystone.io.opening import as_model
 from drystone.loads import Fill
 from drystone.loads.applied import common_acceleration
 from drystone.loads.earthquake import Shaken, with_shaken_weights
-from drystone.models import box, tower
+from drystone.models import box, segmental_bridge, tower
 from drystone.report import write_report
 from drystone.seismic import local_mechanism
 from drystone.settlement import push
@@ -188,6 +190,34 @@ def test_combinations_shake_permanent_masses_and_the_share_of_variable_ones(
     assert cart == pytest.approx(dead + 0.1 * 0.3 * 1000.0 * G)
     told = [one.text for one in found.sentences() if "earthquake" in one.text]
     assert any("40 kN of fill and 10 kN of loads" in one for one in told)
+
+
+STATIC = "passive pressure is taken as the static one (Mononobe-Okabe's is less)"
+
+
+def test_every_answer_says_that_passive_pressure_in_an_earthquake_is_the_static_one(
+    tmp_path: Path,
+) -> None:
+    path, out = tmp_path / "cases.toml", tmp_path / "sheet.html"
+    path.write_text(
+        'situations = ["seismic"]\n[case.dead]\nkind = "permanent"\nload = "model"\n'
+        '[case.quake]\nkind = "seismic"\nload = "seismic:0.1,0"\n'
+    )
+    bridge, fill = segmental_bridge(voussoirs=6), "fill:cover=0.4m,weight=19kN/m3,k=0.3"
+    model = as_model(bridge, load=f"{fill},passive=1.5", tie="fill")
+    asked = [
+        check(model, seismic=0.1),
+        limit_load(model, "seismic:1,0"),
+        push(model, LoadCase.seismic(bridge, 1.0)),
+        combinations(model, path, needed_of="none"),
+    ]
+    for one in asked:
+        said = [*(x.text for x in one.sentences()), *one.asked.notes]
+        assert any(x.endswith(STATIC) for x in said)
+    write_report(asked[:1], out)
+    assert STATIC in unescape(out.read_text(encoding="utf-8"))
+    assert not any(STATIC in x for x in check(bridge, load=fill, seismic=0.1).asked.notes)
+    assert not any(STATIC in x for x in check(model).asked.notes)
 
 
 def test_fill_is_no_weight_of_blocks_where_it_is_as_heavy_as_some(

@@ -29,7 +29,7 @@ class Shaken(OneLine):
     Attributes
     ----------
     weights : [N]
-        By kind: blocks, fill, masses in kg, loads.
+        By kind: blocks, fill, resisting fill, masses in kg, loads.
     still : [N]
         Downward forces that are not shaken.
     """
@@ -58,8 +58,7 @@ class Shaken(OneLine):
         weights = {"blocks": STANDARD_GRAVITY * float(assembly.mass[free].sum())}
         for one in load.masses:
             name = _KINDS.get(one.kind, one.kind)
-            carried = STANDARD_GRAVITY * float(one.mass[free].sum())
-            weights[name] = weights.get(name, 0.0) + carried
+            weights[name] = weights.get(name, 0.0) + STANDARD_GRAVITY * float(one.mass[free].sum())
         applied = applied_loads(assembly, load.beside_masses)
         down = -np.minimum(applied.force[free[applied.block], 2], 0.0).sum()
         still = float(down) if down > 1e-6 * sum(weights.values()) else 0.0
@@ -72,6 +71,8 @@ class Shaken(OneLine):
         total = quantity(sum(self.weights.values()), "N")
         told = f"{total}: {', '.join(parts[:-1])} and {parts[-1]}" if parts[1:] else "".join(parts)
         more = f"; {quantity(self.still, 'N')} of forces are not (--shaken)" if self.still else ""
+        if "resisting fill" in self.weights:
+            more += "; passive pressure is taken as the static one (Mononobe-Okabe's is less)"
         return f"the earthquake shakes {told}{more}"
 
 

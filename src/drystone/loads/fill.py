@@ -231,7 +231,8 @@ class Tops:
         along = self.strips.wrenches(self.assembly, traction)
         place = np.column_stack([down[:, 4], -down[:, 3], along[:, 4] + along[:, 1]])
         by, gravity = 1.0 / STANDARD_GRAVITY, STANDARD_GRAVITY * np.array(DOWN)
-        return CarriedMass("fill", -by * down[:, 2], by * place, gravity)
+        kind = "resisting fill" if self.fill.passive > self.fill.k else "fill"
+        return CarriedMass(kind, -by * down[:, 2], by * place, gravity)
 
     def pressure(self, vertical: float, horizontal: float) -> Traction:
         """Shares of the pressure of the weight, down and inwards."""

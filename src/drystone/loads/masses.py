@@ -18,7 +18,7 @@ class CarriedMass(OneLine):
     Attributes
     ----------
     kind
-        ``fill``, ``mass`` or ``load``.
+        ``fill``, ``resisting fill`` (beyond its pressure), ``mass`` or ``load``.
     mass : (n,) [kg]
         On each block.
     moment : (n, 3) [kg m]

@@ -256,16 +256,11 @@ def _applied(model: Model) -> Iterator[Part]:
     applied = applied_loads(model.assembly, model.load)
     along = ", ".join(f"{x:.4g}" for x in applied.acceleration + 0.0)
     yield f"Load: {model.load.name}. Acceleration of all masses: {along} m/s2."
-    yield from _shaken(model)
-    table = applied.table(model.assembly.names)
-    yield from (table,) if len(table) else ()
-
-
-def _shaken(model: Model) -> Iterator[str]:
-    """What an earthquake shakes, where there is one."""
     known = Shaken.of(model.assembly, model.load)
     if known is not None:
         yield f"{known.words[:1].upper()}{known.words[1:]}."
+    table = applied.table(model.assembly.names)
+    yield from (table,) if len(table) else ()
 
 
 def _answer(answer: Answer) -> Iterator[Part]:

@@ -121,8 +121,7 @@ class Combinations(Answer):
         by = one.situation
         divided = f"friction is divided by {by.friction:g}, strength of joints by {by.strength:g}"
         said.append(Sentence(divided))
-        quakes = (one.load for one in self.each if one.load.shake.any())
-        shaken = [Shaken.of(self.governing.assembly, load) for load in quakes]
+        shaken = [Shaken.of(self.governing.assembly, one.load) for one in self.each]
         said += [Sentence(one, Role.REMARK) for one in dict.fromkeys(x.words for x in shaken if x)]
         if self.stopped:
             said.append(Sentence(f"not finished: {self.stopped}", Role.REMARK))
