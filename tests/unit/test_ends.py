@@ -63,20 +63,47 @@ def test_a_shell_and_a_monolith_that_is_cut_keep_them() -> None:
     assert cut_until_free(tower, options=CutOptions(2, ends=FlushEnds.EXACT)).model.ends == "exact"
 
 
+def checked(degrees: float, longer: float, **how: str) -> drystone.Result:
+    groove = wedge("b", longer=longer)
+    load = LoadCase.tilt(groove, (1.0, 0.0, 0.0), degrees)
+    return drystone.check(Model.of(groove, friction=0.84, load=load), **how)  # type: ignore[arg-type]
+
+
 @pytest.mark.parametrize("degrees", [41.0, 43.0, 46.0])
 def test_faces_as_much_longer_as_a_check_says_hold_it(degrees: float) -> None:
-    def checked(longer: float) -> drystone.Result:
-        groove = wedge("b", longer=longer)
-        load = LoadCase.tilt(groove, (1.0, 0.0, 0.0), degrees)
-        return drystone.check(Model.of(groove, friction=0.84, load=load))
-
-    flush = checked(0.0)
+    flush = checked(degrees, 0.0)
     assert flush.verdict is Verdict.UNDECIDED
     told = re.search(r"go on more than ([0-9.]+) mm beyond those ends", flush.message)
     assert told is not None
     far = 1e-3 * float(told[1])
-    assert checked(1.05 * far).verdict is Verdict.STABLE
-    assert checked(0.8 * far).verdict is not Verdict.STABLE
+    assert checked(degrees, 1.05 * far).verdict is Verdict.STABLE
+    assert checked(degrees, 0.8 * far).verdict is not Verdict.STABLE
+
+
+@pytest.mark.parametrize(
+    ("degrees", "longer", "ends", "verdict"),
+    [
+        (41.0, 0.5e-3, None, Verdict.UNSTABLE),
+        (41.0, 1e-3, None, Verdict.UNDECIDED),  # with stiff joints it falls
+        (46.0, 2e-3, None, Verdict.UNSTABLE),
+        (46.0, 0.0, "exact", Verdict.UNSTABLE),
+    ],
+)
+def test_what_falls_over_ends_of_faces_says_how_much_farther_they_have_to_go(
+    degrees: float, longer: float, ends: str | None, verdict: Verdict
+) -> None:
+    how = {} if ends is None else {"ends": ends}
+    found = checked(degrees, longer, **how)
+    assert found.verdict is verdict
+    told = re.search(r"ends of faces, and stands where these go on ([0-9.]+) mm", found.message)
+    assert told is not None
+    far = 1e-3 * float(told[1])
+    assert checked(degrees, longer + 1.05 * far, **how).verdict is Verdict.STABLE
+    assert checked(degrees, longer + 0.8 * far, **how).verdict is not Verdict.STABLE
+
+
+def test_what_falls_without_sliding_over_an_end_says_nothing_of_ends() -> None:
+    assert "ends of faces" not in checked(70.0, 0.1).message
 
 
 def test_a_tilt_that_is_undecided_names_all_that_decides() -> None:

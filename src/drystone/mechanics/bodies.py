@@ -201,7 +201,9 @@ def build_bodies(
         arm_a=point - away[:, :1] / length * n - centroid[a],
         arm_b=point + away[:, 1:] / length * n - centroid[b],
         frame=frame,
-        ends=ends._replace(reach=ends.reach / length, place=ends.place / length),
+        ends=ends._replace(
+            reach=ends.reach / length, place=ends.place / length, drawn=ends.drawn / length
+        ),
         friction=contacts.friction[contacts.interface],
         normal=stiffness,
         tangential=tangential * stiffness,

@@ -46,6 +46,8 @@ class Carrier(enum.Enum):
     """The block that is nearer to the supports."""
     EXACT = "exact"
     """Neither goes on beyond the end of the other: the faces end where they are drawn."""
+    LONGER = "longer"
+    """As moving, and faces that are longer by less than what stands may move go on as well."""
 
 
 CARRIER = {None: None, FlushEnds.LONGER: Carrier.MOVING, FlushEnds.EXACT: Carrier.EXACT}
@@ -65,7 +67,7 @@ class Ends(NamedTuple):
     joint : (k,) interface of each corner
     after : (k,) corner that follows around its interface
     place : (k, 2) [m] corners in the axes u and v of their interface
-    flush : (k, 2) bool, where the faces of both blocks end
+    drawn : (k, 2) r [m] of the faces as they are drawn: less where they are taken as longer
     """
 
     outward: Floats
@@ -76,7 +78,7 @@ class Ends(NamedTuple):
     joint: Ints
     after: Ints
     place: Floats
-    flush: Bools
+    drawn: Floats
 
 
 def joint_ends(assembly: Assembly, contacts: Contacts, carrier: Carrier, gap: Floats) -> Ends:
@@ -101,24 +103,26 @@ def joint_ends(assembly: Assembly, contacts: Contacts, carrier: Carrier, gap: Fl
     share = np.where(of_b & ~of_a, 1.0, np.where(of_a & ~of_b, 0.0, both))
     outward, reach = edges_of.outward, edges_of.reach()
     flush = (of_a == of_b) & (far != 0.0)[joint] & ~edges_of.fitted
+    drawn = np.where(flush, 0.0, reach)
     if carrier is Carrier.EXACT:
-        reach = np.where(flush, 0.0, reach)
+        reach = drawn
+    if carrier is Carrier.LONGER:
+        reach = np.where(edges_of.fitted, reach, np.maximum(reach, edges_of.longer))
     edges = np.stack([outward, outward[before]], axis=1)
     weight = np.stack([share, share[before]], axis=1)
-    limit = np.stack([reach, reach[before]], axis=1)
+    limit, least = (np.stack([one, one[before]], axis=1) for one in (reach, drawn))
     bent = np.abs(np.linalg.det(edges)) > SAME
     # lines, points, and corners in the middle of a side have one share in every direction
     edges[~bent] = np.eye(2)
     weight[~bent] = weight[~bent].mean(axis=1, keepdims=True)
-    limit[~bent] = np.inf
-    level = np.stack([flush, flush[before]], axis=1) & bent[:, None]
+    limit[~bent] = least[~bent] = np.inf
     axes = contacts.frame[joint, 1:]
     place = np.einsum("kij,kj->ki", axes, contacts.point - contacts.point[contacts.start[joint]])
     tangent: Floats = np.asarray(
         np.linalg.solve(edges, weight[:, :, None] * edges), dtype=np.float64
     )
     sense = (weight == 1.0).astype(np.float64) - (weight == 0.0)
-    return Ends(edges, weight, tangent, sense, limit, joint, after, place, level)
+    return Ends(edges, weight, tangent, sense, limit, joint, after, place, least)
 
 
 def flush_ends(assembly: Assembly, contacts: Contacts) -> bool:
@@ -181,18 +185,20 @@ class _Edges:
             self.sides.nearest(block, self._middle(point), along)
             for block, point in zip(self._blocks, self.points, strict=True)
         )
-        flush = FLUSH_REACH * self._size()
+        flush = self.longer
         of_a, of_b = off_a < NEARER * off_b, off_b < NEARER * off_a
         return of_a & (off_b > flush), of_b & (off_a > flush)
 
-    def _size(self) -> Floats:
-        """(k,) [m] of the smaller block at each edge."""
-        return np.asarray(np.cbrt(np.minimum(*(self.volume[block] for block in self._blocks))))
+    @property
+    def longer(self) -> Floats:
+        """(k,) [m] by how much a face that ends at an edge is taken as longer."""
+        smaller = np.minimum(*(self.volume[block] for block in self._blocks))
+        return np.asarray(FLUSH_REACH * np.cbrt(smaller))
 
     def reach(self) -> Floats:
         """(k,) [m] how far the face of the block that does not carry the edge goes on beyond it."""
         contacts, (of_a, of_b) = self.contacts, self.owned
-        reach = np.where(of_a & of_b, FLUSH_REACH * self._size(), np.inf)
+        reach = np.where(of_a & of_b, self.longer, np.inf)
         for block, point, alone in zip(
             (contacts.block_a, contacts.block_b), self.points, (of_b & ~of_a, of_a & ~of_b),
             strict=True,

@@ -70,5 +70,5 @@ def as_turned(ends: Ends, turned: Bools) -> Ends:
         joint=ends.joint,
         after=np.where(turned, before, ends.after),
         place=np.where(here, ends.place * mirror, ends.place),
-        flush=np.where(here, ends.flush[:, ::-1], ends.flush),
+        drawn=np.where(here, ends.drawn[:, ::-1], ends.drawn),
     )

@@ -31,7 +31,7 @@ from drystone.mechanics.bodies import (
 )
 from drystone.mechanics.corners import CARRIER, Carrier, flush_ends, joint_ends
 from drystone.mechanics.follow import Bounds, Course, Ended, Follower, Track
-from drystone.mechanics.increments import FEW
+from drystone.mechanics.increments import FEW, travelled
 from drystone.mechanics.meeting import Apart, followed_model, model_with_met
 from drystone.mechanics.positions import BlockPositions, rotation_vectors
 from drystone.mechanics.roles import as_turned
@@ -87,17 +87,29 @@ def ends_alike(
     )
 
 
-def beyond_flush_ends(bodies: Bodies, pose: BlockPositions) -> float:
-    """How far corners that press have gone beyond ends where both faces end, scaled.
+def beyond_ends(bodies: Bodies, pose: BlockPositions, longer: bool) -> float:
+    """How far corners that press have gone beyond the ends of faces, scaled.
 
-    By so much the face of the block that does not carry them has to be longer.
+    Of faces that are taken as longer than drawn, or of the others: by so much the face of the block
+    that does not carry the corner has to be longer.
     """
-    corner = np.flatnonzero(bodies.ends.flush.any(axis=1))
-    local = _apart(bodies, corner, (pose,))[0]
     ends = bodies.ends
+    which = (ends.reach > ends.drawn) == longer
+    corner = np.flatnonzero(which.any(axis=1))
+    local = _apart(bodies, corner, (pose,))[0]
     along = np.einsum("kij,kj->ki", ends.outward[corner], local[:, 1:]) * ends.sense[corner]
-    counts = ends.flush[corner] & (local[:, :1] < bodies.overlap)
-    return float(np.where(counts, along, 0.0).max(initial=0.0))
+    counts = which[corner] & (local[:, :1] < bodies.overlap)
+    return float(np.where(counts, along - ends.drawn[corner], 0.0).max(initial=0.0))
+
+
+def _near(bodies: Bodies, track: Track, way: float) -> BlockPositions:
+    """The last pose with no block farther from its first place than some way by its size."""
+    free, first = bodies.free, track.frames[0]
+    for pose in reversed(track.frames):
+        gone = pose.place[free] - first.place[free]
+        if travelled(gone, pose.turn[free], bodies.radius[free], bodies.size[free]).max() <= way:
+            return pose
+    return first
 
 
 def _farthest(
@@ -396,6 +408,8 @@ def _physical(case: FollowedCase, carrier: Carrier, bodies: Bodies, track: Track
     gap[corners] = track.placed.gap[kept] * bodies.length_unit
     travel = np.zeros(len(model.assembly))
     travel[bodies.free] = track.travel
+    rests = track.ended is Ended.RESTS
+    pose = track.frames[-1] if rests else _near(bodies, track, case.chosen.rest_within)
     return SettlementPath(
         carrier,
         Outcome.FALLS if track.ended is Ended.FALLS else Outcome.UNKNOWN,
@@ -412,7 +426,7 @@ def _physical(case: FollowedCase, carrier: Carrier, bodies: Bodies, track: Track
         track.iterations,
         tuple(range(joints, len(model.contacts))),
         bodies.overlap,
-        beyond_flush_ends(bodies, track.frames[-1]) * bodies.length_unit,
+        beyond_ends(bodies, pose, longer=rests) * bodies.length_unit,
         case.chosen.tangential,
     )
 

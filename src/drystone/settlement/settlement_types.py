@@ -148,7 +148,8 @@ class SettlementOptions(Options):
     carrier
         The block that carries the ends of joints where both end flush; the face of the other one
         is taken as longer. ``moving`` is what published programs do. With ``exact`` neither is
-        longer, as by faces that are clipped after every step. When left out, what the model says
+        longer, as by faces that are clipped after every step; with ``longer`` those are as well
+        that go on by less than what stands may move. When left out, what the model says
         of its ``ends``, or both blocks are followed as carriers if there are such ends.
     overlap
         Of the corners under the mean load of a block: small for rigid blocks. Between 1e-6 and 1e-7
@@ -223,8 +224,8 @@ class SettlementPath(OneLine):
     overlap
         That of the options, or smaller where springs were too soft.
     beyond : [m]
-        How far corners that press at the end have gone beyond ends that were flush at the
-        beginning. The face of the block that does not carry them is taken as longer by so much.
+        How far corners that press at the end have gone beyond ends of faces that were taken as
+        longer. Of what does not rest: how far, within ``rest_within``, beyond ends of others.
     tangential
         Tangential by normal stiffness.
     """

@@ -80,13 +80,15 @@ def _said(path: SettlementPath) -> str:
 
 
 def said_longer(*paths: SettlementPath) -> str:
-    """What would make it stand with either carrier, by those of these paths that rest."""
+    """How much longer faces make it stand, by those of these paths that rest."""
     rests = [one for one in paths if one.outcome is Outcome.RESTS]
     beyond = max(one.beyond for one in rests)
     if not beyond > 0.0:
         return ""
-    other = "resting" if rests[0].carrier is Carrier.MOVING else "moving"
     far = millimetres(rounded_up(1e3 * beyond, 2) / 1e3)
+    if rests[0].carrier is Carrier.LONGER:
+        return f"; it slides over ends of faces, and stands where these go on {far} mm farther"
+    other = "resting" if rests[0].carrier is Carrier.MOVING else "moving"
     longer = f"go on more than {far} mm beyond those ends"
     return f"; it stands where the faces of the {other} block {longer}"
 

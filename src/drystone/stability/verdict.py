@@ -16,7 +16,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
-from typing import Unpack
+from typing import TypeAlias, Unpack
 
 import numpy as np
 
@@ -29,7 +29,7 @@ from drystone.mechanics import law
 from drystone.mechanics.bodies import LIGHT
 from drystone.model import Model
 from drystone.results import Result, Sensitivity, Verdict
-from drystone.settlement import UNDECIDED, Outcome, Settlement, SettlementOptions
+from drystone.settlement import UNDECIDED, Carrier, Outcome, Settlement, SettlementOptions
 from drystone.settlement.settling import said_longer, settle_for_verdict
 from drystone.solvers.threads import one_blas_thread
 from drystone.stability.asked import Asked
@@ -58,6 +58,8 @@ on three pebbles of 3e-16 of its weight stands after the second time."""
 
 FREELY = "nothing presses on the blocks that fall, so nothing holds them"
 UNBALANCED = "no contact forces can balance the loads"
+
+_Follow: TypeAlias = Callable[..., Settlement]
 
 
 @checked_call
@@ -300,10 +302,9 @@ def _balance(asked: Asked, uniform: Candidate) -> Floats:
 def _with_stiff_shear(
     asked: Asked,
     pool: WorkerPool,
-    follow: Callable[..., Settlement],
+    follow: _Follow,
     found: Settlement,
     options: SettlementOptions,
-    felt: Floats | None,
 ) -> Settlement:
     """The same where the blocks end alike with stiffer joints along their faces; else both ways.
 
@@ -314,7 +315,7 @@ def _with_stiff_shear(
     rubs = bool(asked.problem.model.contacts.friction.any())
     if stiff is None or not rubs or found.outcome not in ends or asked.clock.late():
         return found
-    other = follow(options=replace(options, tangential=stiff), felt=felt)
+    other = follow(options=replace(options, tangential=stiff))
     alike = (other.outcome is Outcome.RESTS) == (found.outcome is Outcome.RESTS)
     if other.outcome is Outcome.UNKNOWN or (alike and other.outcome in ends):
         return found
@@ -331,23 +332,35 @@ def _with_stiff_shear(
 
 
 def _with_longer_faces(
-    asked: Asked,
-    follow: Callable[..., Settlement],
-    found: Settlement,
-    options: SettlementOptions,
-    felt: Floats | None,
+    asked: Asked, follow: _Follow, found: Settlement, options: SettlementOptions
 ) -> Settlement:
     """The same, saying how long faces have to be with stiffer joints along them too."""
     stiff = asked.options.stiff_shear
     told = said_longer(*found.paths)
     if stiff is not None and not asked.clock.late():
         carrier = next(one.carrier for one in found.paths if one.outcome is Outcome.RESTS)
-        other = follow(options=replace(options, tangential=stiff, carrier=carrier), felt=felt)
+        other = follow(options=replace(options, tangential=stiff, carrier=carrier))
         asked.steps += other.iterations
         if other.rests:
             told = said_longer(*found.paths, *other.paths)
         elif other.outcome is Outcome.FALLS:
             told = f"; with a shear stiffness of {stiff:g} of the normal one it falls there too"
+    return replace(found, message=f"{found.message}{told}")
+
+
+def _over_ends(
+    asked: Asked, follow: _Follow, found: Settlement, options: SettlementOptions
+) -> Settlement:
+    """The same, saying how much longer faces would hold what falls over their ends."""
+    if not any(one.outcome is Outcome.FALLS and one.beyond > 0.0 for one in found.paths):
+        return found
+    ways: list[Settlement] = []
+    for shear in sorted({options.tangential, asked.options.stiff_shear or options.tangential}):
+        ways.append(follow(options=replace(options, tangential=shear, carrier=Carrier.LONGER)))
+        asked.steps += ways[-1].iterations
+        if not ways[-1].rests:
+            return found
+    told = said_longer(*(path for way in ways for path in way.paths))
     return replace(found, message=f"{found.message}{told}")
 
 
@@ -397,12 +410,14 @@ def _followed(asked: Asked, pool: WorkerPool, uniform: Candidate) -> Result:
     found = follow(options=options, felt=felt)
     if light and found.rests:
         felt = found.paths[-1].force[: model.contacts.corner_count]
+    follow = partial(follow, felt=felt)
     certain = uniform.stands and not hardly and all(one.stands for one in asked.tried)
     if found.outcome is Outcome.ENDS_DECIDE:
         asked.depends_on(Sensitivity.ENDS)
-        found = _with_longer_faces(asked, follow, found, options, felt)
+        found = _with_longer_faces(asked, follow, found, options)
     elif not (certain and found.outcome is Outcome.RESTS):
-        found = _with_stiff_shear(asked, pool, follow, found, options, felt)
+        found = _with_stiff_shear(asked, pool, follow, found, options)
+        found = _over_ends(asked, follow, found, options)
     if found.stopped:  # by the clock of the check, which knows why
         message = found.message.replace(found.stopped, clock.reason)
         found = replace(found, message=message, stopped=clock.reason)
