@@ -288,11 +288,12 @@ def hinged(contacts: Contacts, resultants: Resultants) -> Bools:
 
 def on_an_edge(
     assembly: Assembly, contacts: Contacts, resultants: Resultants
-) -> list[tuple[int, int]]:
-    """Blocks that stand exactly above an edge, with the block below: their margin is zero.
+) -> list[tuple[int, Ints]]:
+    """Blocks that stand exactly above an edge, with those below: their margin is zero.
 
-    The resultant acts on the rim of a joint that alone holds the block and what it carries. So no
-    other forces balance it. Of many such joints a few are looked at.
+    The resultant acts on the rim of a joint that alone holds the block and what it carries, or on
+    those of several in one line about which it may turn. So no other forces balance it. Of many
+    such joints a few are looked at.
 
     Parameters
     ----------
@@ -307,12 +308,50 @@ def on_an_edge(
     loaded = resultants.normal > ROUNDING * max(float(resultants.normal.max(initial=0.0)), 1e-300)
     # of what has no area all is rim: an edge or a corner that a block stands on
     rim = (made.area <= 0.0) | (edge_ratio(made, corners, contacts.start, at) > 1.0 - SAME)
+    at_rim = np.flatnonzero(loaded & rim)
+    ends = np.stack([contacts.block_a[at_rim], contacts.block_b[at_rim]], axis=1)
     found = []
-    for joint in np.flatnonzero(loaded & rim)[:_LOOKED_AT].tolist():
-        a, b = int(contacts.block_a[joint]), int(contacts.block_b[joint])
-        held = _held_without(assembly, contacts, joint)
-        found += [pair for pair in ((a, b), (b, a)) if not held[pair[0]]]
+    for i, pair in enumerate(ends[:_LOOKED_AT]):
+        held = _held_without(assembly, contacts, at_rim[i : i + 1])
+        found += [(int(one), pair[pair != one]) for one in pair if not held[one]]
+    blocks, times = np.unique(ends[~assembly.fixed[ends]], return_counts=True)
+    for block in blocks[times > 1][:_LOOKED_AT].tolist():
+        own = (ends == block).any(axis=1)
+        line = _turns_about(contacts, resultants, block, at_rim[own])
+        held = _held_without(assembly, contacts, at_rim[own])
+        if line is not None and not held[block] and _beside(assembly, ~held, *line):
+            found.append((block, ends[own][ends[own] != block]))
     return found
+
+
+def _turns_about(
+    contacts: Contacts, resultants: Resultants, block: int, joints: Ints
+) -> tuple[Floats, Floats] | None:
+    """The line (place, direction) of resultants about which a block may turn, if there is one.
+
+    No corner of these joints comes closer, whichever of both ways it turns.
+    """
+    place = resultants.position[joints[0]]
+    away = resultants.position[joints] - place
+    last = away[np.argmax(lengths(away))]
+    span = float(lengths(last))
+    axis = last / max(span, 1e-300)
+    corner = np.isin(contacts.interface, joints)
+    which = contacts.interface[corner]
+    turned = cross(axis, contacts.point[corner] - place)
+    opening = np.where(contacts.block_b[which] == block, 1.0, -1.0)
+    opening *= dot(contacts.frame[which, 0], turned)
+    least = SAME * span
+    one_line = lengths(cross(axis, away)).max() < least
+    free = opening.min() >= -least or opening.max() <= least
+    return (place, axis) if one_line and free else None
+
+
+def _beside(assembly: Assembly, blocks: Bools, place: Floats, axis: Floats) -> bool:
+    """Whether the centroid of some blocks is beside a line."""
+    mass = assembly.mass[blocks]
+    centre = mass @ assembly.centroid[blocks] / mass.sum()
+    return bool(lengths(cross(axis, centre - place)) > SAME * assembly.size[blocks].max())
 
 
 def foot_pressed(
@@ -333,10 +372,10 @@ def foot_pressed(
     return float(lengths(at - made.centroid)[feet[0]]), float(within[feet[0]])
 
 
-def _held_without(assembly: Assembly, contacts: Contacts, joint: int) -> Bools:
-    """Which blocks (n,) are connected with a support when one joint is missing."""
+def _held_without(assembly: Assembly, contacts: Contacts, joints: Ints) -> Bools:
+    """Which blocks (n,) are connected with a support when some joints are missing."""
     held = assembly.fixed.copy()
-    a, b = (np.delete(end, joint) for end in (contacts.block_a, contacts.block_b))
+    a, b = (np.delete(end, joints) for end in (contacts.block_a, contacts.block_b))
     while True:
         more = held.copy()
         more[a[held[b]]] = more[b[held[a]]] = True

@@ -8,7 +8,7 @@ import pytest
 from drystone import Assembly, Contacts, JointCapacity, Model, Result, check, find_contacts
 from drystone.geometry.frames import rotation_about
 from drystone.geometry.halfedge import sharp_edges
-from drystone.models import box, curve_three_blocks, tower
+from drystone.models import box, curve_three_blocks, prism, tower
 from drystone.view.encode import encode
 
 
@@ -108,3 +108,46 @@ def test_a_block_exactly_above_an_edge_is_told() -> None:
     for model in (tower(3), curve_three_blocks()):
         told = check(Model.of(model, friction=0.84)).sentences()
         assert not any("margin" in one.text for one in told)
+
+
+def across_ridges(turned: float) -> Assembly:
+    """A bar on two ridges, turned about its length."""
+    floor = box((6.0, 6.0, 1.0), (-3.0, -3.0, -1.0), "floor")
+    ridges = [
+        prism([(x - 0.3, 0.0), (x + 0.3, 0.0), (x, 0.4)], (-0.5, 0.5), f"ridge-{i}")
+        for i, x in enumerate((-0.6, 0.6))
+    ]
+    bar = box((1.8, 0.5, 0.5), (-0.9, -0.25, -0.25), "bar")
+    bar = bar.transformed(rotation_about(np.array([1.0, 0.0, 0.0]), turned), np.zeros(3))
+    bar = bar.transformed(translation=(0.0, 0.0, 0.4 - float(bar.bounds[0, 2])))
+    return Assembly((floor, *ridges, bar)).with_fixed([0])
+
+
+def test_a_block_on_points_in_one_line_is_told() -> None:
+    """Its edge crosses two ridges: two joints, each a point."""
+    result = check(across_ridges(45.0), friction=0.6)
+    assert result.stable
+    (said,) = (one.text for one in result.sentences() if "margin is zero" in one.text)
+    assert "'bar' stands exactly on the line of its joints with 'ridge-0' and 'ridge-1'" in said
+    for push in (-0.1, 0.1):
+        assert check(across_ridges(45.0), friction=0.6, load=f"bar:0,{push},0").falls
+    flat = check(across_ridges(0.0), friction=0.6)
+    assert flat.stable
+    assert not any("margin" in one.text for one in flat.sentences())
+
+
+def test_what_stands_on_a_line_with_what_it_carries_is_told() -> None:
+    """The joint of a beam with the stone on it is no part of the line."""
+    piers = [box((0.4, 0.5, 0.5), (x, -0.5, -0.5), f"pier-{x:g}") for x in (-1.0, 0.6)]
+    beam = box((2.0, 0.5, 0.5), (-1.0, -0.25, 0.0), "beam")
+    stone = box((0.5, 0.5, 0.5), (-0.25, -0.25, 0.5), "stone")
+    result = check(Assembly((*piers, beam, stone)).with_fixed([0, 1]), friction=0.6)
+    assert result.stable
+    told = [one.text for one in result.sentences() if "margin is zero" in one.text]
+    assert len(told) == 1
+    assert (
+        "'beam' stands exactly on the line of its joints with 'pier--1' and 'pier-0.6'" in told[0]
+    )
+    held = box((2.0, 0.5, 0.5), (-1.0, -0.26, 0.0), "beam")
+    more = check(Assembly((*piers, held)).with_fixed([0, 1]), friction=0.6)
+    assert not any("margin" in one.text for one in more.sentences())

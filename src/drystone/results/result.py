@@ -141,12 +141,14 @@ class Result(Solution, Answer):
         pairs = on_an_edge(self.assembly, joints, found)
         if not pairs:
             return []
-        block, other = pairs[0]
+        block, others = pairs[0]
+        where = "above an edge of its joint" if len(others) == 1 else "on the line of its joints"
+        below = " and ".join(f"'{names[other]}'" for other in others)
         more = f", and {len(pairs) - 1} more like this" if len(pairs) > 1 else ""
         return [
             Sentence(
-                f"the margin is zero: '{names[block]}' stands exactly above an edge of its joint"
-                f" with '{names[other]}'{more}; the least push overturns it"
+                f"the margin is zero: '{names[block]}' stands exactly {where} with {below}"
+                f"{more}; the least push overturns it"
             )
         ]
 
