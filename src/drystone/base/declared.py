@@ -24,6 +24,7 @@ from drystone.base.arrays import number, of_type, refuse_many, whole
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
 from drystone.base.hints import is_many, kinds_of
+from drystone.base.progress import LongWork
 from drystone.base.settings import Options
 
 _SECTIONS = ("Attributes", "Parameters")
@@ -207,6 +208,7 @@ def declared(of: Callable[..., Any]) -> Mapping[str, Declared]:
         known = {one.name: _default(one) for one in dataclasses.fields(of)}
     else:
         known = {name: one.default for name, one in inspect.signature(of).parameters.items()}
+        hints |= typing.get_type_hints(LongWork)
     return types.MappingProxyType(
         {
             name: Declared(name, hints.get(name, Any), default, **told.get(name, {}))

@@ -107,22 +107,27 @@ def blame(
 @functools.cache
 def hints_of(function: Any) -> dict[str, Any]:
     """The annotation of each argument, with those of a dictionary of them as ``**how``."""
-    homes = reversed(function.__mro__) if isinstance(function, type) else (function,)
-    place: dict[str, Any] = {}
-    for home in homes:
-        place |= vars(sys.modules[home.__module__])
     found: dict[str, Any] = {}
     for name, one in inspect.signature(function).parameters.items():
-        try:
-            asked = types.SimpleNamespace(__annotations__={name: one.annotation})
-            hint = get_type_hints(asked, place)[name]
-        except NameError:  # imported for a type checker only
-            hint = Any
+        hint = hint_of(function, one)
         if get_origin(hint) is Unpack:
             found |= get_type_hints(get_args(hint)[0])
         elif one.annotation is not one.empty:
             found[name] = Union[hint, None] if one.default is None else hint  # noqa: UP007
     return found
+
+
+def hint_of(function: Any, one: inspect.Parameter) -> Any:
+    """The annotation of an argument; Any where it is known to a type checker only."""
+    homes = reversed(function.__mro__) if isinstance(function, type) else (function,)
+    place: dict[str, Any] = {}
+    for home in homes:
+        place |= vars(sys.modules[home.__module__])
+    asked = types.SimpleNamespace(__annotations__={one.name: one.annotation})
+    try:
+        return get_type_hints(asked, place)[one.name]
+    except NameError:
+        return Any
 
 
 def _parts(hint: Any) -> tuple[Any, ...]:

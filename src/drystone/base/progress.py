@@ -1,16 +1,17 @@
 """The keywords of everything that may take long: ``executor, progress, stop, time_limit_s``.
 
-Every analysis, limit, plan and settlement takes these four. They are defined, documented and
-checked here. They never change the result of a calculation that is not ended early.
+Every analysis, limit, plan and settlement takes these four as :class:`LongWork`, and makes a
+:class:`Clock` of them. They never change the result of a calculation that is not ended early.
 """
 
 from __future__ import annotations
 
 import inspect
+import math
 import time
-from collections.abc import Callable, Collection
+from collections.abc import Callable
 from concurrent.futures import Executor
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, TypedDict
 
 from drystone.base.workers import ExecutorFactory
 
@@ -24,6 +25,16 @@ Stop: TypeAlias = Callable[[], bool]
 Workers: TypeAlias = Executor | ExecutorFactory
 """Where parts of a calculation run side by side."""
 
+
+class LongWork(TypedDict, total=False):
+    """The four keywords."""
+
+    executor: Workers | None
+    progress: Progress | None
+    stop: Stop | None
+    time_limit_s: float
+
+
 KEYWORDS = {
     "executor": """\
 Computes independent parts side by side: a ``concurrent.futures.Executor``, or a function
@@ -36,7 +47,7 @@ Called often; True ends the calculation with the results so far.""",
     "time_limit_s": """\
 Time [s] after which the calculation ends with the results so far.""",
 }
-"""The four keywords and their documentation."""
+"""Their documentation."""
 
 
 class Stopped(Exception):
@@ -46,17 +57,38 @@ class Stopped(Exception):
 class Clock:
     """Time since the start, the limit, and the caller's request to stop; once late, always late.
 
-    ``progress`` is what :meth:`tell` calls.
+    ``progress`` is what :meth:`tell` calls, ``workers`` the executor or what starts one.
     """
 
     def __init__(
-        self, limit_s: float, stop: Stop | None = None, progress: Progress | None = None
+        self,
+        limit_s: float,
+        stop: Stop | None = None,
+        progress: Progress | None = None,
+        workers: Workers | None = None,
     ) -> None:
         self.began = time.perf_counter()
         self.limit_s = limit_s
         self.wish = stop
         self.progress = progress
+        self.workers = workers
         self.reason = ""
+
+    @classmethod
+    def of(cls, work: LongWork) -> Clock:
+        """From the keywords of a function, which are taken out of them."""
+        limit_s, stop = work.pop("time_limit_s", math.inf), work.pop("stop", None)
+        return cls(limit_s, stop, work.pop("progress", None), work.pop("executor", None))
+
+    @property
+    def rest(self) -> LongWork:
+        """The keywords of a calculation that is a part of this one."""
+        return {
+            "executor": self.workers,
+            "progress": self.progress,
+            "stop": self.wish,
+            "time_limit_s": self.left_s,
+        }
 
     def __getstate__(self) -> dict[str, Any]:
         """What travels to another process: the time that is left, not the request to stop."""
@@ -91,10 +123,10 @@ class Clock:
         return bool(self.reason)
 
 
-def with_keywords(documentation: str | None, parameters: Collection[str]) -> str | None:
-    """The documentation of a function, with the four keywords where it takes all of them."""
-    if documentation is None or not all(name in parameters for name in KEYWORDS):
-        return documentation
+def with_keywords(documentation: str | None) -> str | None:
+    """The documentation of a function with that of the four keywords."""
+    if documentation is None:
+        return None
     lines = inspect.cleandoc(documentation).splitlines()
     if "Parameters" not in lines:
         at = _section(lines, 0)
@@ -106,6 +138,20 @@ def with_keywords(documentation: str | None, parameters: Collection[str]) -> str
     for name, words in reversed(KEYWORDS.items()):
         lines[at:at] = [name, *(f"    {line}" for line in words.splitlines())]
     return "\n".join(lines)
+
+
+def with_parameters(signature: inspect.Signature) -> inspect.Signature:
+    """The signature of a function with the four keywords by their names."""
+    *own, last = signature.parameters.values()
+    defaults = {name: math.inf if name == "time_limit_s" else None for name in KEYWORDS}
+    hints: dict[str, Any] = LongWork.__annotations__
+    four = [
+        inspect.Parameter(
+            name, last.KEYWORD_ONLY, default=default, annotation=hints[name].__forward_arg__
+        )
+        for name, default in defaults.items()
+    ]
+    return signature.replace(parameters=[*own, *four, *([] if last.name == "work" else [last])])
 
 
 def _section(lines: list[str], begin: int) -> int:

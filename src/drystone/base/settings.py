@@ -6,15 +6,15 @@ import enum
 import functools
 import inspect
 from collections.abc import Callable, Mapping
-from typing import Any, ParamSpec, Self, TypeVar, get_origin
+from typing import Any, ParamSpec, Self, TypeVar, get_args, get_origin
 
 import numpy as np
 
 from drystone.base.arrays import number, of_type, refuse_many
 from drystone.base.display import OneLine
 from drystone.base.errors import ODD, DrystoneError, InputError, counted, refuse_unknown
-from drystone.base.hints import blame, hints_of, kinds_of, refuse_wrong
-from drystone.base.progress import with_keywords
+from drystone.base.hints import blame, hint_of, hints_of, kinds_of, refuse_wrong
+from drystone.base.progress import LongWork, with_keywords, with_parameters
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -111,8 +111,18 @@ def checked_call(function: Callable[P, R]) -> Callable[P, R]:
             blame(function, given, named, error)
             raise
 
-    asked.__doc__ = with_keywords(function.__doc__, known)
+    if _is_long(function, [*known.values()][-1]):
+        asked.__doc__ = with_keywords(function.__doc__)
+        asked.__signature__ = with_parameters(inspect.signature(function))  # type: ignore[attr-defined]
     return asked
+
+
+def _is_long(function: Any, last: inspect.Parameter) -> bool:
+    """Whether the keywords of long work are among those that a function takes by its last name."""
+    if last.kind is not last.VAR_KEYWORD:
+        return False
+    (many,) = get_args(hint_of(function, last)) or (None,)
+    return LongWork.__optional_keys__ <= getattr(many, "__optional_keys__", frozenset())
 
 
 def hold(room: dict[str, Any]) -> None:

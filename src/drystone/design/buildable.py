@@ -16,14 +16,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import permutations
-from typing import TypeAlias
+from typing import TypeAlias, Unpack
 
 import numpy as np
 
 from drystone.base.arrays import Floats, Ints, frozen_floats
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
-from drystone.base.progress import Clock, Progress, Stop, Workers
+from drystone.base.progress import Clock, LongWork
 from drystone.base.settings import Options, checked_call
 from drystone.base.workers import WorkerPool
 from drystone.contacts import DEFAULT_FRICTION
@@ -97,10 +97,7 @@ def make_buildable(
     body: ShellBody | None = None,
     *,
     options: BuildableOptions | None = None,
-    executor: Workers | None = None,
-    progress: Progress | None = None,
-    stop: Stop | None = None,
-    time_limit_s: float = float("inf"),
+    **work: Unpack[LongWork],
 ) -> Buildable:
     """Search the layout and the wedges with which the fewest blocks need help, propped or held.
 
@@ -139,8 +136,8 @@ def make_buildable(
     """
     chosen = BuildableOptions.of(options)
     several = [layouts] if isinstance(layouts, Layout) else list(layouts)
-    clock = Clock(time_limit_s, stop, progress)
-    with WorkerPool(executor) as pool:
+    clock = Clock.of(work)
+    with WorkerPool(clock.workers) as pool:
         return _WedgeSearch(shape, body or ShellBody(), chosen, pool, clock).run(several)
 
 

@@ -32,7 +32,7 @@ from drystone.assembly import Assembly, Block
 from drystone.base.arrays import Bools, Floats, frozen_floats
 from drystone.base.declared import Offered
 from drystone.base.errors import InputError, counted
-from drystone.base.progress import Clock, Progress, Stop, Workers
+from drystone.base.progress import Clock, LongWork
 from drystone.base.settings import Options, checked_call
 from drystone.design.block_surgery import Cut, split_block, tilted_cuts
 from drystone.design.changed import Buildable, Help, Kept, helped
@@ -40,7 +40,7 @@ from drystone.design.joint_surgery import still_edge, turn_joint, wedge_joint
 from drystone.design.search import improved
 from drystone.design.words import place as at_place
 from drystone.geometry.frames import unit
-from drystone.io.opening import Given, How, supported_model
+from drystone.io.opening import Given, LongHow, supported_model
 from drystone.model import FlushEnds, Model
 from drystone.sequence import Plan, PlanOptions, check_both, check_once, plan
 
@@ -99,10 +99,7 @@ def cut_until_free(
     proposals: Sequence[Sequence[Cut]] | None = None,
     *,
     options: CutOptions | None = None,
-    executor: Workers | None = None,
-    progress: Progress | None = None,
-    stop: Stop | None = None,
-    time_limit_s: float = float("inf"),
+    **work: Unpack[LongWork],
 ) -> Buildable:
     """Cut a shape into blocks that are all placed alone and stand at once.
 
@@ -128,7 +125,7 @@ def cut_until_free(
     choices = proposed_cuts(block, chosen.blocks) if proposals is None else proposals
     if not choices:
         raise InputError("no place to cut at", where="proposals", remedy="give one or more")
-    clock = Clock(time_limit_s, stop, progress)
+    clock = Clock.of(work)
     first = [0] * len(choices)
     log: list[str] = []
     model = chosen.model(Assembly((block,), np.array([True])))
@@ -147,7 +144,7 @@ def cut_until_free(
             kept = tuple(_kept(some[k]) for some, k in zip(choices, used, strict=True))
             assembly = Assembly(pieces, np.arange(len(pieces)) == 0)
             model = chosen.model(assembly)
-            found = plan(model, options=chosen.plan, executor=executor, stop=clock.late)
+            found = plan(model, options=chosen.plan, executor=clock.workers, stop=clock.late)
             needy = _helped(found)
             if needy is None:
                 count = counted(len(log), "recut")
@@ -282,11 +279,7 @@ def recut_joints(
     given: Given,
     *,
     options: RecutOptions | None = None,
-    executor: Workers | None = None,
-    progress: Progress | None = None,
-    stop: Stop | None = None,
-    time_limit_s: float = float("inf"),
-    **how: Unpack[How],
+    **how: Unpack[LongHow],
 ) -> Buildable:
     """Change joints until every block is placed alone and stands at once.
 
@@ -315,11 +308,11 @@ def recut_joints(
     (True, [('wedge', 10.0)])
     """
     chosen = RecutOptions.of(options)
+    clock = Clock.of(how)
     model = supported_model(given, **how)
-    clock = Clock(time_limit_s, stop, progress)
     # a prop of what does not stand is one more block that needs help
     thus = replace(chosen.plan, anyway=True)
-    planned = partial(plan, options=thus, executor=executor, stop=clock.late)
+    planned = partial(plan, options=thus, executor=clock.workers, stop=clock.late)
     tried = 0
 
     def proposals(now: _Planned) -> Iterator[_Planned]:

@@ -17,7 +17,7 @@ from drystone.answer import Answer, Layer, LayerKind, Role, Scene, Sentence
 from drystone.base.arrays import Floats, frozen
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
-from drystone.base.progress import Clock, Progress, Stop, Stopped, Workers
+from drystone.base.progress import Clock, Stopped
 from drystone.base.settings import Options, checked_call
 from drystone.base.workers import WorkerPool
 from drystone.checks import first_motion_of
@@ -33,7 +33,7 @@ from drystone.design.regions import (
     solve_alone,
     with_wrenches,
 )
-from drystone.io.opening import Given, How, as_model
+from drystone.io.opening import Given, LongHow, as_model
 from drystone.model import Model
 from drystone.results import Result, Verdict
 from drystone.stability import check
@@ -75,11 +75,7 @@ def diagnose(
     *,
     options: DiagnosisOptions | None = None,
     result: Result | None = None,
-    executor: Workers | None = None,
-    progress: Progress | None = None,
-    stop: Stop | None = None,
-    time_limit_s: float = float("inf"),
-    **how: Unpack[How],
+    **how: Unpack[LongHow],
 ) -> Diagnosis:
     """Why a model falls, and what would hold it.
 
@@ -117,10 +113,10 @@ def diagnose(
     or glue between 'left' and 'block' that carries a pull, and a shear, of 15 kN would hold it
     """
     chosen = DiagnosisOptions.of(options)
+    clock = Clock.of(how)
     model = as_model(given, **how)
     if result is not None and result.model is not model:
         raise InputError("the result is of another model", remedy="leave it out")
-    clock = Clock(time_limit_s, stop, progress)
     clock.tell("check", 0, 2)
     answer = check(model, stop=clock.late) if result is None else result
     if answer.stable:
@@ -135,7 +131,7 @@ def diagnose(
     looked = groups[: chosen.regions]
     task = partial(_region, model, answer, prop, chosen, clock)
     clock.tell("what falls", 0, len(looked))
-    with WorkerPool(executor) as pool:
+    with WorkerPool(clock.workers) as pool:
         for region in pool.answers(task, looked):
             regions.append(region)
             clock.tell("what falls", len(regions), len(looked))

@@ -14,7 +14,7 @@ from drystone.answer.chart import Chart
 from drystone.answer.widening import side_by_side
 from drystone.base.display import named, shortened
 from drystone.base.errors import InputError, counted
-from drystone.base.progress import Clock, Progress, Stop, Workers
+from drystone.base.progress import Clock, Stop
 from drystone.base.settings import Options, checked_call
 from drystone.base.workers import WorkerPool
 from drystone.design.bench import Tried
@@ -24,7 +24,7 @@ from drystone.design.margin import QUICK, DesignMargin
 from drystone.design.mend_kinds import KINDS
 from drystone.design.whole_check import mends_of_kind
 from drystone.design.words import NOTHING
-from drystone.io.opening import Given, How, as_model
+from drystone.io.opening import Given, LongHow, as_model
 from drystone.model import Model
 from drystone.results import Result
 from drystone.stability import check
@@ -39,11 +39,7 @@ def mend(
     given: Given,
     *,
     options: MendOptions | None = None,
-    executor: Workers | None = None,
-    progress: Progress | None = None,
-    stop: Stop | None = None,
-    time_limit_s: float = float("inf"),
-    **how: Unpack[How],
+    **how: Unpack[LongHow],
 ) -> Changed:
     """The structure with the lowest-cost mend of each region, until it stands.
 
@@ -68,7 +64,7 @@ def mend(
     (True, 1)
     """
     chosen = MendOptions.of(options)
-    clock = Clock(time_limit_s, stop)
+    clock = Clock.of(how)
     before = model = as_model(given, **how)
     names = model.assembly.names
     chosen = replace(chosen, keep=tuple(names[i] for i in kept_blocks(model, chosen.keep)))
@@ -77,14 +73,14 @@ def mend(
     passed: dict[frozenset[str], str] = {}
     passed_at = 0
     result = chosen.margin.holds(model, clock.late)
-    with WorkerPool(executor) as pool:
+    with WorkerPool(clock.workers) as pool:
         while True:
             stands = chosen.margin.meets(result)
             if stands or len(steps) == _ROUNDS or clock.late():
                 break
             found = find_mends(
                 model, options=chosen, regions=1, besides=passed, result=result,
-                executor=pool.executor, progress=progress, stop=clock.late,
+                executor=pool.executor, progress=clock.progress, stop=clock.late,
             )  # fmt: skip
             passed |= _hopeless(found)
             if found.mends:
@@ -313,11 +309,7 @@ def find_mends(
     besides: Collection[frozenset[str]] = (),
     result: Result | None = None,
     found_one: Callable[[Changed], None] | None = None,
-    executor: Workers | None = None,
-    progress: Progress | None = None,
-    stop: Stop | None = None,
-    time_limit_s: float = float("inf"),
-    **how: Unpack[How],
+    **how: Unpack[LongHow],
 ) -> Mends:
     """Search for changes that make a structure stand.
 
@@ -346,11 +338,11 @@ def find_mends(
         What was given cannot be made into a model, or a block to keep does not exist.
     """
     chosen = MendOptions.of(options)
-    clock = Clock(time_limit_s, stop, progress)
+    clock = Clock.of(how)
     model = as_model(given, **how)
     keep = kept_blocks(model, chosen.keep)
     first = chosen.margin.holds(model, clock.late) if result is None else result
-    found, message = _fallen(first, chosen.margin, clock, executor)
+    found, message = _fallen(first, chosen.margin, clock)
     case = chosen.margin.case_of(first, model)
     if message:
         return Mends(found, message=message, case=case)
@@ -360,7 +352,7 @@ def find_mends(
     mended = 0
     others = set(found.others).union(*(region.blocks for region in found.regions))
     others |= _falls_besides(found.model, others, clock.late)
-    with WorkerPool(executor) as pool:
+    with WorkerPool(clock.workers) as pool:
         for number, region in enumerate(found.regions, 1):
             names = tuple(model.assembly.names[i] for i in region.blocks)
             if mended == regions or frozenset(names) in besides:
@@ -382,18 +374,13 @@ def find_mends(
     return Mends(found, tuple(mends), tuple(tried), case=case)
 
 
-def _fallen(
-    first: Result, margin: DesignMargin, clock: Clock, executor: Workers | None
-) -> tuple[Diagnosis, str]:
+def _fallen(first: Result, margin: DesignMargin, clock: Clock) -> tuple[Diagnosis, str]:
     """Why a model falls in the first case of a margin that falls, or why nothing is mended."""
     if margin.meets(first):
         return diagnose(first.model, result=first), stands_already(margin)
     # what stands for some stiffnesses only is mended as it falls with the uniform one
     falls = check(first.model, options=QUICK, stop=clock.late) if first.stable else first
-    found = diagnose(
-        first.model, options=_FEW_NEEDS, result=falls, executor=executor,
-        progress=clock.progress, stop=clock.late,
-    )  # fmt: skip
+    found = diagnose(first.model, options=_FEW_NEEDS, result=falls, **clock.rest)
     if found.regions:
         return found, ""
     if first.stable:

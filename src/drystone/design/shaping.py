@@ -10,7 +10,7 @@ import numpy as np
 
 from drystone.base.arrays import ROUNDING, Floats, of_type
 from drystone.base.errors import InputError
-from drystone.base.progress import Clock, Progress, Stop, Stopped, Workers
+from drystone.base.progress import Clock, Stopped
 from drystone.base.settings import checked_call
 from drystone.design.changed import Changed
 from drystone.design.needs import GROUND
@@ -18,7 +18,7 @@ from drystone.design.search import bracket
 from drystone.design.shape_search import USED_UP, ShapeSearch, ended, farthest
 from drystone.design.shape_values import ShapeAim, ShapeOptions, ShapeVariables
 from drystone.design.vertex_places import vertices_of
-from drystone.io.opening import Given, How, as_model
+from drystone.io.opening import Given, LongHow, as_model
 from drystone.model import Model
 
 _CLOSE = 2.0**-7
@@ -145,11 +145,7 @@ def shape(
     moves: ShapeVariables | Callable[[Model], ShapeVariables],
     *,
     options: ShapeOptions | None = None,
-    executor: Workers | None = None,
-    progress: Progress | None = None,
-    stop: Stop | None = None,
-    time_limit_s: float = float("inf"),
-    **how: Unpack[How],
+    **how: Unpack[LongHow],
 ) -> Changed:
     """Move vertices until a structure stands, or to the best shape that stands.
 
@@ -187,9 +183,8 @@ def shape(
     >>> found.stands, round(0.09 + float(found.x[0]), 2)
     (True, 0.1)
     """
-    del executor  # one chain of rounds
     chosen = ShapeOptions.of(options)
-    clock = Clock(time_limit_s, stop, progress)
+    clock = Clock.of(how)
     model = as_model(given, **how)
     made = moves(model) if callable(moves) else moves
     variables = of_type(made, ShapeVariables, "moves", "give block_moves(...)")  # type: ignore[type-abstract]

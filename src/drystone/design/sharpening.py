@@ -16,7 +16,7 @@ from drystone.base.arrays import Bools, Floats
 from drystone.base.declared import Offered
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
-from drystone.base.progress import Clock, Progress, Stop, Workers
+from drystone.base.progress import Clock
 from drystone.base.settings import Options, checked_call
 from drystone.design.changed import Changed, Kept
 from drystone.design.joint_cut import JointPlane, joint_plane, recut
@@ -24,7 +24,7 @@ from drystone.design.joint_surgery import STEEPEST, wedge_cut
 from drystone.design.margin import DesignMargin
 from drystone.design.mends import kept_blocks, stands_already
 from drystone.design.search import bracket, each_needed
-from drystone.io.opening import Given, How, as_model
+from drystone.io.opening import Given, LongHow, as_model
 from drystone.model import Model
 from drystone.programs.penalty import glued_state
 from drystone.results import Result
@@ -177,11 +177,7 @@ def sharpen(
     given: Given,
     *,
     options: SharpenOptions | None = None,
-    executor: Workers | None = None,
-    progress: Progress | None = None,
-    stop: Stop | None = None,
-    time_limit_s: float = float("inf"),
-    **how: Unpack[How],
+    **how: Unpack[LongHow],
 ) -> Changed:
     """Make plane joints wedges of two planes where tension appears, until the structure stands.
 
@@ -216,9 +212,8 @@ def sharpen(
     >>> found.stands, found.message
     (True, 'it stands already: ask for a margin to make it stand more firmly')
     """
-    del executor  # one chain of checks
     chosen = SharpenOptions.of(options)
-    clock = Clock(time_limit_s, stop, progress)
+    clock = Clock.of(how)
     model = as_model(given, **how)
     keep = kept_blocks(model, chosen.keep)
     joints = PlaneJoints.of(model, keep)

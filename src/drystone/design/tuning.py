@@ -11,11 +11,11 @@ from dataclasses import dataclass, field
 from functools import partial
 from math import isnan
 from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
 from drystone.base.errors import FormatError, refuse_unknown, require
 from drystone.base.journal import Journal, exactly
-from drystone.base.progress import Clock, Progress, Stop, Workers
+from drystone.base.progress import Clock, LongWork
 from drystone.base.settings import Options, checked_call
 from drystone.base.version import version
 from drystone.base.workers import WorkerPool
@@ -74,10 +74,7 @@ def tune(
     how: Mapping[str, Any] | None = None,
     store: str | Path | None = None,
     options: TuneOptions | None = None,
-    executor: Workers | None = None,
-    progress: Progress | None = None,
-    stop: Stop | None = None,
-    time_limit_s: float = float("inf"),
+    **work: Unpack[LongWork],
 ) -> Tuned:
     """Search for the parameters with which a structure stands and is best.
 
@@ -117,11 +114,11 @@ def tune(
     asked = tuple(goals)
     refuse_goals(asked, parameters)
     refuse_unknown(how or {}, [*How.__annotations__])
-    clock = Clock(time_limit_s, stop, progress)
+    clock = Clock.of(work)
     given = dict(how or {})
     evaluate = partial(outcome_of, build, given, asked, chosen.margin, chosen.props, clock=clock)
     built = exactly(partial(build, **given))
-    with WorkerPool(executor) as pool:
+    with WorkerPool(clock.workers) as pool:
         return _ValueSearch(parameters, asked, evaluate, built, store, chosen, pool, clock).run()
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from drystone.assembly.block import require_sound
 from drystone.base.arrays import SAME, Floats, Ints, frozen, frozen_floats
 from drystone.base.display import Card, OneLine
 from drystone.base.errors import InputError
-from drystone.base.progress import Clock, Progress, Stop, Workers
+from drystone.base.progress import Clock, LongWork
 from drystone.base.settings import checked_call
 from drystone.base.workers import WorkerPool
 from drystone.contacts import DEFAULT_FRICTION, Contacts, check_friction
@@ -343,10 +343,7 @@ def gap_sweep(
     gaps: Sequence[float] | Floats | None = None,
     *,
     options: DetectionOptions | None = None,
-    executor: Workers | None = None,
-    progress: Progress | None = None,
-    stop: Stop | None = None,
-    time_limit_s: float = float("inf"),
+    **work: Unpack[LongWork],
 ) -> GapSweep:
     """Find the contacts with many gap tolerances.
 
@@ -377,13 +374,12 @@ def gap_sweep(
         raise InputError("gaps must be above zero", remedy="give for example 1e-4, 1e-3, 1e-2")
     base = DetectionOptions.of(options)
     count = partial(_counts, assembly, base)
-    clock = Clock(time_limit_s, stop)
+    clock = Clock.of(work)
     rows: list[tuple[int, int, int]] = []
-    with WorkerPool(executor) as pool:
+    with WorkerPool(clock.workers) as pool:
         for row in pool.answers(count, tried.tolist(), lambda: bool(rows) and clock.late()):
             rows.append(row)
-            if progress is not None:
-                progress("gap sweep", len(rows), len(tried))
+            clock.tell("gap sweep", len(rows), len(tried))
     table = frozen(np.array(rows, dtype=np.intp))
     return GapSweep(frozen(tried[: len(rows)]), table[:, 0], table[:, 1], table[:, 2])
 

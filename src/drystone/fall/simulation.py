@@ -28,13 +28,13 @@ from drystone.base.arrays import Bools, Floats, frozen, frozen_floats
 from drystone.base.display import named
 from drystone.base.errors import InputError, counted, require
 from drystone.base.files import PathLike, write_bytes
-from drystone.base.progress import Clock, Progress, Stop, Workers
+from drystone.base.progress import Clock
 from drystone.base.settings import Options, checked_call
 from drystone.base.table import Table
 from drystone.io.draft import Contents
 from drystone.io.glb import FLOAT, Z_UP, container, glb_content
 from drystone.io.mjcf import mjcf_text
-from drystone.io.opening import Given, How, as_model
+from drystone.io.opening import Given, LongHow, as_model
 from drystone.loads import LoadCase
 from drystone.loads.case import STANDARD_GRAVITY
 from drystone.model import Model
@@ -56,11 +56,7 @@ def fall(
     motion: Floats | None = None,
     *,
     options: FallOptions | None = None,
-    executor: Workers | None = None,
-    progress: Progress | None = None,
-    stop: Stop | None = None,
-    time_limit_s: float = float("inf"),
-    **how: Unpack[How],
+    **how: Unpack[LongHow],
 ) -> Film:
     """Follow what falls with inertia and impacts until it lies.
 
@@ -91,14 +87,13 @@ def fall(
     >>> bool(film.fell[1]), film.lies  # doctest: +SKIP
     (True, True)
     """
-    del executor  # one chain of frames
     chosen = FallOptions.of(options)
+    clock = Clock.of(how)
     model = as_model(given, **how)
     model.require_still()
     if motion is not None:
         motion = frozen_floats(motion, (len(model), 6), "the first motion")
     mujoco = require_mujoco()
-    clock = Clock(time_limit_s, stop)
     free = model.assembly.free
     force = model.load.wrench[free]
     total = float(np.linalg.norm(force[:, :3], axis=1).sum())
@@ -140,8 +135,7 @@ def fall(
         quiet = quiet + every * STEP if np.abs(data.qvel).max() < STILL else 0.0
         # what is known to fall is waited for: it may begin slowly
         fallen = fallen or _has_fallen(frames, size)
-        if progress is not None:
-            progress("simulating", number, last)
+        clock.tell("simulating", number, last)
         if quiet >= FOR and fallen:
             lies = True
             break

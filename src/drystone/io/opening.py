@@ -14,7 +14,7 @@ from drystone.assembly.block import require_sound
 from drystone.base.arrays import Bools, Ints, texts
 from drystone.base.display import differing, named, shortened
 from drystone.base.errors import DrystoneError, InputError, counted
-from drystone.base.progress import Progress
+from drystone.base.progress import LongWork, Progress
 from drystone.base.settings import checked_call
 from drystone.base.units import coefficient
 from drystone.contacts import Contacts
@@ -69,6 +69,10 @@ class How(FileOptions, total=False):
     crack: str | Sequence[str]
     search: bool
     skip_defects: bool
+
+
+class LongHow(How, LongWork, total=False):
+    """The keywords of an analysis: how its model is made, and the work that it is."""
 
 
 _OF_FILES = (*FileOptions.__annotations__, "search", "skip_defects")
@@ -496,7 +500,7 @@ def _cracked(model: Model, how: How) -> Model:
 
 
 @checked_call
-def as_model(given: Given, **how: Unpack[How]) -> Model:
+def as_model(given: Given, **how: Unpack[LongHow]) -> Model:
     """The model for an analysis, made from an assembly or a file if necessary.
 
     Parameters
@@ -513,7 +517,7 @@ def as_model(given: Given, **how: Unpack[How]) -> Model:
         It is of another type, or ``how`` does not apply to it.
     """
     if is_paths(given):
-        return read(given, **how)
+        return read(given, **how)  # type: ignore[misc]  # a clock took what read has not
     loads = Loads.of(how)
     if not isinstance(given, Model):
         _refuse(how, _OF_FILES, "an assembly")
@@ -579,7 +583,7 @@ def _joints_and_load(model: Model) -> list[Any]:
     return arrays
 
 
-def supported_model(given: Given, **how: Unpack[How]) -> Model:
+def supported_model(given: Given, **how: Unpack[LongHow]) -> Model:
     """The model for an analysis that needs supports; see :func:`as_model`.
 
     Raises

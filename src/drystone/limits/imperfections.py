@@ -16,13 +16,13 @@ from drystone.answer.chart import Chart, MarkKind, Marks
 from drystone.answer.drawing import bare_scene
 from drystone.base.arrays import FARTHEST, Floats, frozen, frozen_floats, whole
 from drystone.base.errors import InputError, counted
-from drystone.base.progress import Clock, Progress, Stop, Workers
+from drystone.base.progress import Clock
 from drystone.base.ragged import Ragged
 from drystone.base.settings import Options, checked_call
 from drystone.base.table import Table
 from drystone.base.workers import WorkerPool
 from drystone.contacts import Contacts
-from drystone.io.opening import Given, How, as_model
+from drystone.io.opening import Given, LongHow, as_model
 from drystone.limits.limit_types import STANDS, Check, verdict
 from drystone.model import Model
 from drystone.results import Verdict
@@ -251,11 +251,7 @@ def imperfections(
     confidence: float = 0.95,
     check: Check = verdict,
     loading: Loading | str | Sequence[Loading | str] = (),
-    executor: Workers | None = None,
-    progress: Progress | None = None,
-    stop: Stop | None = None,
-    time_limit_s: float = float("inf"),
-    **how: Unpack[How],
+    **how: Unpack[LongHow],
 ) -> StandingShare:
     """Draw imperfect joints and count the structures that stand.
 
@@ -290,19 +286,18 @@ def imperfections(
     if not 0.0 < confidence < 1.0:
         raise InputError(f"confidence is {confidence}", remedy="give a share between 0 and 1")
     orders = _orders(loading)
+    clock = Clock.of(how)
     model = as_model(given, **how)
     task = partial(_draws, model, kinds, check, orders)
     seeds = np.random.SeedSequence(seed).spawn(draws)
-    clock = Clock(time_limit_s, stop)
     verdicts: list[Verdict] = []
     friction: list[float] = []
-    with WorkerPool(executor) as pool:
+    with WorkerPool(clock.workers) as pool:
         late = lambda: bool(verdicts) and clock.late()  # noqa: E731
         for answers, mean in pool.answers(task, seeds, late):
             verdicts += answers
             friction.append(mean)
-            if progress is not None:
-                progress("draws", len(friction), draws)
+            clock.tell("draws", len(friction), draws)
     made, empty = len(friction), (0.0, 1.0)
     stopped = f"{clock.reason} after {made} of {draws} draws" if made < draws else ""
     found = StandingShare(

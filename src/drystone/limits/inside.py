@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 from drystone.base.errors import InputError
-from drystone.base.progress import Clock, Progress, Stop, Stopped, Workers
+from drystone.base.progress import Clock, Stop, Stopped
 from drystone.base.workers import WorkerPool
 from drystone.limits.bounds import bisected_bound, rbe
 from drystone.limits.limit_answer import Limit
@@ -64,37 +64,17 @@ class Means:
     check
         Gives the verdict; when left out, that of drystone is asked where uniform stiffness decides.
     options
-    workers
-        The executor, or what starts one.
-    progress
     clock
-        The time since the start; keeps a request to stop.
+        The time since the start, a request to stop, and the workers.
     """
 
     check: Check | None
     options: LimitOptions
-    workers: Workers | None
-    progress: Progress | None
     clock: Clock
-
-    @classmethod
-    def of(
-        cls,
-        check: Check | None,
-        options: LimitOptions | None,
-        workers: Workers | None,
-        progress: Progress | None,
-        stop: Stop | None,
-        time_limit_s: float,
-    ) -> Means:
-        """From the keywords of a limit."""
-        clock = Clock(time_limit_s, stop)
-        return cls(check, LimitOptions.of(options), workers, progress, clock)
 
     def tell(self, stage: str, done: int) -> None:
         """Report one of three steps."""
-        if self.progress is not None:
-            self.progress(stage, done, 3)
+        self.clock.tell(stage, done, 3)
 
 
 def bisected(family: Family, start: float, end: float, width: float, means: Means) -> Limit:
@@ -157,7 +137,7 @@ def searched(
             known = Bracket(falls=start if at.falls else None, falling=at)
         found = {"rest": FoundBracket(known, (), ())}
         if last is not None:
-            with WorkerPool(means.workers) as pool:
+            with WorkerPool(means.clock.workers) as pool:
                 first.executor = pool.executor
                 far = abs(last - start)
                 first.results = {v: r for v, r in first.results.items() if abs(v - start) <= far}

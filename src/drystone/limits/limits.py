@@ -17,12 +17,12 @@ import numpy as np
 from drystone.assembly import Assembly
 from drystone.base.arrays import Floats, number
 from drystone.base.errors import InputError
-from drystone.base.progress import Progress, Stop, Workers
+from drystone.base.progress import Clock, LongWork
 from drystone.base.settings import checked_call
 from drystone.contacts import Contacts
 from drystone.geometry.frames import LEVEL_AXES, axis_vector
 from drystone.io.load_options import grown
-from drystone.io.opening import Given, How, supported_model
+from drystone.io.opening import Given, LongHow, supported_model
 from drystone.limits.bounds import load_factor_bound, tilt_bound
 from drystone.limits.inside import Means, bisected, searched
 from drystone.limits.limit_answer import Limit
@@ -57,11 +57,7 @@ def limit_tilt(
     upper: float = 180.0,
     check: Check | None = None,
     options: LimitOptions | None = None,
-    executor: Workers | None = None,
-    progress: Progress | None = None,
-    stop: Stop | None = None,
-    time_limit_s: float = float("inf"),
-    **how: Unpack[How],
+    **how: Unpack[LongHow],
 ) -> Limit:
     """The largest angle [degrees] by which the assembly can be turned about an axis.
 
@@ -91,8 +87,8 @@ def limit_tilt(
     >>> round(limit.equilibrium.value, 1), round(limit.rest.value, 1)
     (31.0, 31.0)
     """
+    means = Means(check, LimitOptions.of(options), Clock.of(how))
     model = supported_model(given, **how)
-    means = Means.of(check, options, executor, progress, stop, time_limit_s)
     if axis is not None:
         return tilt_limit(Tilt(model, axis_vector(axis)), upper, means)
     first, *others = (Tilt(model, np.array(one)) for one in LEVEL_AXES)
@@ -139,11 +135,7 @@ def limit_friction(
     scaled: bool = False,
     check: Check | None = None,
     options: LimitOptions | None = None,
-    executor: Workers | None = None,
-    progress: Progress | None = None,
-    stop: Stop | None = None,
-    time_limit_s: float = float("inf"),
-    **how: Unpack[How],
+    **how: Unpack[LongHow],
 ) -> Limit:
     """The least friction coefficient of the joints; see :func:`limit_tilt`.
 
@@ -157,6 +149,7 @@ def limit_friction(
     options
         The default width is 0.001.
     """
+    means = Means(check, LimitOptions.of(options), Clock.of(how))
     model = supported_model(given, **how)
     if not model.contacts.count:
         raise InputError("no blocks touch", remedy="join near ones with a wider gap (--gap)")
@@ -165,7 +158,6 @@ def limit_friction(
     start = largest if upper is None else number(upper, "the largest friction")
     if start <= 0.0:
         raise InputError(f"the largest friction is {start}", remedy="give a number above zero")
-    means = Means.of(check, options, executor, progress, stop, time_limit_s)
     return bisected(family, start, 0.0, 1e-3, means)
 
 
@@ -177,11 +169,7 @@ def limit_load(
     upper: float = 1000.0,
     check: Check | None = None,
     options: LimitOptions | None = None,
-    executor: Workers | None = None,
-    progress: Progress | None = None,
-    stop: Stop | None = None,
-    time_limit_s: float = float("inf"),
-    **how: Unpack[How],
+    **how: Unpack[LongHow],
 ) -> Limit:
     """The largest factor of a live load on top of the load of the model; see :func:`limit_tilt`.
 
@@ -196,7 +184,7 @@ def limit_load(
     options
         The default width is 1e-4 of the limit.
     """
-    means = Means.of(check, options, executor, progress, stop, time_limit_s)
+    means = Means(check, LimitOptions.of(options), Clock.of(how))
     chosen = means.options
     model = supported_model(given, **how)
     if isinstance(live, str):
@@ -229,19 +217,15 @@ def limit_shrink(
     *,
     check: Check | None = None,
     options: LimitOptions | None = None,
-    executor: Workers | None = None,
-    progress: Progress | None = None,
-    stop: Stop | None = None,
-    time_limit_s: float = float("inf"),
-    **how: Unpack[How],
+    **how: Unpack[LongHow],
 ) -> Limit:
     """The least share of the size of all joints at which it stands; see :func:`limit_tilt`.
 
     Its inverse is a geometric safety factor, after Heyman 1982: the size of the joints divided by
     the required size. The default width is 0.001.
     """
+    means = Means(check, LimitOptions.of(options), Clock.of(how))
     family = Shrunk(supported_model(given, **how))
-    means = Means.of(check, options, executor, progress, stop, time_limit_s)
     return bisected(family, 1.0, 0.0, 1e-3, means)
 
 
@@ -251,11 +235,7 @@ def limit_strength(
     *,
     check: Check | None = None,
     options: LimitOptions | None = None,
-    executor: Workers | None = None,
-    progress: Progress | None = None,
-    stop: Stop | None = None,
-    time_limit_s: float = float("inf"),
-    **how: Unpack[How],
+    **how: Unpack[LongHow],
 ) -> Limit:
     """The least share of the strengths of all joints at which it stands; see :func:`limit_tilt`.
 
@@ -267,11 +247,11 @@ def limit_strength(
     InputError
         No joint has a strength.
     """
+    means = Means(check, LimitOptions.of(options), Clock.of(how))
     model = supported_model(given, **how)
     if model.contacts.capacity is None:
         remedy = "give one, such as --strength 5MPa"
         raise InputError("no joint has a strength", where="strength", remedy=remedy)
-    means = Means.of(check, options, executor, progress, stop, time_limit_s)
     return bisected(Weakened(model), 1.0, 0.0, 1e-3, means)
 
 
@@ -289,10 +269,7 @@ def limit_thickness(
     ends: FlushEnds | None = None,
     check: Check | None = None,
     options: LimitOptions | None = None,
-    executor: Workers | None = None,
-    progress: Progress | None = None,
-    stop: Stop | None = None,
-    time_limit_s: float = float("inf"),
+    **work: Unpack[LongWork],
 ) -> Limit:
     """The least thickness, or another parameter, at which a parametric model stands.
 
@@ -328,5 +305,5 @@ def limit_thickness(
     finder = find if find is not None else partial(found, friction, strength)
     family = Parametric(build, finder, Quantity(parameter, unit), ends)
     width = 1e-5 * abs(first - last)
-    means = Means.of(check, options, executor, progress, stop, time_limit_s)
+    means = Means(check, LimitOptions.of(options), Clock.of(work))
     return bisected(family, first, last, width, means)

@@ -14,11 +14,11 @@ from drystone.answer.chart import Chart, MarkKind, Marks, ring
 from drystone.base.arrays import Floats
 from drystone.base.display import rounded_down
 from drystone.base.errors import InputError, counted
-from drystone.base.progress import Clock, Progress, Stop, Workers
+from drystone.base.progress import Clock
 from drystone.base.settings import checked_call
 from drystone.base.table import Table
 from drystone.base.workers import WorkerPool
-from drystone.io.opening import Given, How, supported_model
+from drystone.io.opening import Given, LongHow, supported_model
 from drystone.limits.inside import Means
 from drystone.limits.limit_answer import AT_LEAST, Limit
 from drystone.limits.limit_types import Bracket, Check, LimitOptions, Tilt
@@ -202,11 +202,7 @@ def tilt_sweep(
     upper: float = 180.0,
     check: Check | None = None,
     options: LimitOptions | None = None,
-    executor: Workers | None = None,
-    progress: Progress | None = None,
-    stop: Stop | None = None,
-    time_limit_s: float = float("inf"),
-    **how: Unpack[How],
+    **how: Unpack[LongHow],
 ) -> TiltSweep:
     """The tilt limit towards equally spaced directions.
 
@@ -224,18 +220,17 @@ def tilt_sweep(
     azimuth = 360.0 * np.arange(directions) / directions
     angle = np.deg2rad(azimuth)
     axes = np.stack([-np.sin(angle), np.cos(angle), np.zeros(directions)], axis=1)
-    clock = Clock(time_limit_s, stop)
+    clock = Clock.of(how)
     model = supported_model(given, **how)
-    means = Means.of(check, options, None, None, clock.late, float("inf"))
+    means = Means(check, LimitOptions.of(options), Clock(float("inf"), clock.late))
     task = partial(_one, model, upper, means)
     limits: list[Limit] = []
-    with WorkerPool(executor) as pool:
+    with WorkerPool(clock.workers) as pool:
         for limit in pool.answers(task, axes, clock.late):
             if limit.stopped:
                 break
             limits.append(limit)
-            if progress is not None:
-                progress("directions", len(limits), directions)
+            clock.tell("directions", len(limits), directions)
     known = len(limits)
     missing = tuple(azimuth[known:].tolist())
     stopped = ""

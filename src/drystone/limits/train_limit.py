@@ -16,11 +16,11 @@ from drystone.answer.scene import Layer, LayerKind
 from drystone.base.arrays import SAME, Floats
 from drystone.base.display import rounded_down
 from drystone.base.errors import InputError, counted
-from drystone.base.progress import Clock, Progress, Stop, Workers
+from drystone.base.progress import Clock
 from drystone.base.settings import checked_call
 from drystone.base.table import Table
 from drystone.base.workers import WorkerPool
-from drystone.io.opening import Given, How, supported_model
+from drystone.io.opening import Given, LongHow, supported_model
 from drystone.limits.bounds import Crossing, PlacedTrain
 from drystone.limits.limit_answer import Limit
 from drystone.limits.limit_types import LimitOptions
@@ -404,11 +404,7 @@ def limit_train(
     fill: Fill | None = None,
     steps: int = 50,
     options: LimitOptions | None = None,
-    executor: Workers | None = None,
-    progress: Progress | None = None,
-    stop: Stop | None = None,
-    time_limit_s: float = float("inf"),
-    **how: Unpack[How],
+    **how: Unpack[LongHow],
 ) -> TrainEnvelope:
     """The largest load factor of a train at every place on a bridge along x.
 
@@ -448,6 +444,7 @@ def limit_train(
     >>> found.places[found.worst].round(2)
     np.float64(1.66)
     """
+    clock = Clock.of(how)
     model = supported_model(given, **how)
     carried = Train.named("axle") if train is None else train
     known = model.load.fills
@@ -473,8 +470,7 @@ def limit_train(
     share = (np.arange(steps) + 0.5) / steps
     reach = 0.5 * carried.length
     places = low - reach + share * (high - low + 2.0 * reach)
-    clock = Clock(time_limit_s, stop)
-    found = _placed(crossing, places.tolist(), clock, executor, progress)
+    found = _placed(crossing, places.tolist(), clock)
     envelope = TrainEnvelope(
         np.array([one.at.place for one in found]),
         np.array([one.found.factor for one in found]),
@@ -500,20 +496,13 @@ def limit_train(
     return replace(envelope, limit=limit, stopped=clock.reason)
 
 
-def _placed(
-    crossing: Crossing,
-    places: list[float],
-    clock: Clock,
-    executor: Workers | None,
-    progress: Progress | None,
-) -> list[PlacedTrain]:
+def _placed(crossing: Crossing, places: list[float], clock: Clock) -> list[PlacedTrain]:
     """The train at places [m], and at more beside the worst one, from left to right."""
     found: list[PlacedTrain] = []
-    with WorkerPool(executor) as pool:
+    with WorkerPool(clock.workers) as pool:
         for one in pool.answers(crossing, places, clock.late):
             found.append(one)
-            if progress is not None:
-                progress("places", len(found), len(places))
+            clock.tell("places", len(found), len(places))
         for _ in range(2):
             between = [] if clock.late() else _between(found)
             found += pool.answers(crossing, between, clock.late)

@@ -10,10 +10,10 @@ import numpy as np
 
 from drystone.base.arrays import frozen_floats, lengths
 from drystone.base.errors import InputError
-from drystone.base.progress import Clock, Progress, Stop, Workers
+from drystone.base.progress import Clock
 from drystone.base.settings import Options, checked_call
 from drystone.checks import check_forces, corner_motion
-from drystone.io.opening import Given, How, as_model
+from drystone.io.opening import Given, LongHow, as_model
 from drystone.mechanics import law
 from drystone.mechanics.law import Compliance, FrictionBound, SlipLength
 from drystone.mechanics.rest import find_rest
@@ -73,11 +73,7 @@ def solve_cra(
     given: Given,
     *,
     options: CRAOptions | None = None,
-    executor: Workers | None = None,
-    progress: Progress | None = None,
-    stop: Stop | None = None,
-    time_limit_s: float = float("inf"),
-    **how: Unpack[How],
+    **how: Unpack[LongHow],
 ) -> Result:
     """Forces and a virtual motion with equal overlaps wherever force passes (eq. 5.6).
 
@@ -106,15 +102,14 @@ def solve_cra(
         What was given cannot be made into a model.
     """
     chosen = CRAOptions.of(options)
-    clock = Clock(time_limit_s, stop)
+    clock = Clock.of(how)
     problem = Problem.build(as_model(given, **how))
     problem.model.require_dry(
         "coupled rigid-block analysis", "eq. 5.6 is for joints that only press and rub"
     )
     best: Result | None = None
     for slip in chosen.slips if problem.statics.free_count else ():
-        if progress is not None:
-            progress("equal overlaps", chosen.slips.index(slip), len(chosen.slips))
+        clock.tell("equal overlaps", chosen.slips.index(slip), len(chosen.slips))
         state = _with_equal_overlaps(problem, slip, clock)
         if state is not None and (best is None or _worst(state, chosen) < _worst(best, chosen)):
             best = state
@@ -131,7 +126,7 @@ def solve_cra(
             return replace(best, message=met, **told)
         wider = f"{met}, more than the {chosen.slide_limit:g} asked for"
         return replace(best, method="rest", message=wider, **told)
-    base = decided(Asked(problem, CheckOptions(samples=SAMPLES, settle=False), clock), executor)
+    base = decided(Asked(problem, CheckOptions(samples=SAMPLES, settle=False), clock))
     told |= {"stopped": clock.reason, "time_s": {"solve": clock.elapsed_s}}
     if not problem.statics.free_count:
         return replace(base, method="cra", **told)

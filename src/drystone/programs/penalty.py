@@ -12,10 +12,10 @@ import numpy as np
 from drystone.base.arrays import lengths
 from drystone.base.display import named
 from drystone.base.errors import InputError
-from drystone.base.progress import Clock, Progress, Stop, Workers
+from drystone.base.progress import Clock
 from drystone.base.settings import Options, checked_call
 from drystone.checks import check_forces
-from drystone.io.opening import Given, How, as_model
+from drystone.io.opening import Given, LongHow, as_model
 from drystone.mechanics import law
 from drystone.mechanics.law import Compliance
 from drystone.mechanics.rest import find_rest
@@ -89,11 +89,7 @@ def solve_cra_penalty(
     given: Given,
     *,
     options: PenaltyOptions | None = None,
-    executor: Workers | None = None,
-    progress: Progress | None = None,
-    stop: Stop | None = None,
-    time_limit_s: float = float("inf"),
-    **how: Unpack[How],
+    **how: Unpack[LongHow],
 ) -> Result:
     """Where help is needed: props, or glue in the joints.
 
@@ -126,14 +122,14 @@ def solve_cra_penalty(
     length; here by as much as they carry.
     """
     chosen = PenaltyOptions.of(options)
-    clock = Clock(time_limit_s, stop)
+    clock = Clock.of(how)
     problem = Problem.build(as_model(given, **how))
     problem.model.require_dry(
         "the penalty form of coupled rigid-block analysis",
         "it measures the pull that dry joints do not have",
     )
     asked = CheckOptions(samples=SAMPLES, settle=chosen.settle)
-    dry = decided(Asked(problem, asked, clock, progress), executor)
+    dry = decided(Asked(problem, asked, clock))
     assembly = problem.model.assembly
     corners = problem.model.contacts.corner_count
 
@@ -146,8 +142,7 @@ def solve_cra_penalty(
     if dry.stable:
         none = {"tension": np.zeros(corners), "prop": np.zeros((len(assembly), 6))}
         return told("no block needs help: it stands dry", **none)
-    if progress is not None:
-        progress("glue", 0, 1)
+    clock.tell("glue", 0, 1)
     statics = problem.statics
     glued = glued_state(problem, chosen, clock.late)
     leaning = find_rest(

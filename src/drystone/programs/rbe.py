@@ -9,7 +9,7 @@ from typing import Unpack
 import numpy as np
 
 from drystone.base.errors import InputError
-from drystone.base.progress import Clock, Progress, Stop, Workers
+from drystone.base.progress import Clock
 from drystone.base.settings import Options, checked_call
 from drystone.checks import check_forces
 from drystone.formulations.corner_forces import FrictionCone, FrictionRule
@@ -22,7 +22,7 @@ from drystone.formulations.equilibrium import (
     solved,
 )
 from drystone.formulations.nearest_mechanism import nearest_mechanism
-from drystone.io.opening import Given, How, as_model
+from drystone.io.opening import Given, How, LongHow, as_model
 from drystone.mechanics.statics import Statics
 from drystone.model import Model
 from drystone.results import Result, Verdict
@@ -186,11 +186,7 @@ def solve_rbe(
     given: Given,
     *,
     options: RBEOptions | None = None,
-    executor: Workers | None = None,
-    progress: Progress | None = None,
-    stop: Stop | None = None,
-    time_limit_s: float = float("inf"),
-    **how: Unpack[How],
+    **how: Unpack[LongHow],
 ) -> Result:
     """Do any contact forces balance the loads?
 
@@ -222,18 +218,18 @@ def solve_rbe(
     >>> drystone.solve_rbe(h_model(), friction=0.6).verdict
     <Verdict.EQUILIBRIUM_EXISTS: 'equilibrium exists'>
     """
-    del executor  # one program
     chosen = RBEOptions.of(options)
-    clock = Clock(min(time_limit_s, chosen.conic.time_limit_s), stop)
+    clock = Clock.of(how)
+    clock.limit_s = min(clock.limit_s, chosen.conic.time_limit_s)
 
     def ask(model: Model) -> Result:
         """The answer on the contacts of a model, and of what touches beside them."""
-        return unless_more_holds(_answer(model, chosen, clock, progress), ask)
+        return unless_more_holds(_answer(model, chosen, clock), ask)
 
     return ask(as_model(given, **how))
 
 
-def _answer(model: Model, chosen: RBEOptions, clock: Clock, progress: Progress | None) -> Result:
+def _answer(model: Model, chosen: RBEOptions, clock: Clock) -> Result:
     """The answer on the contacts of a model."""
     problem = Problem.build(model)
     statics = problem.statics
@@ -250,8 +246,7 @@ def _answer(model: Model, chosen: RBEOptions, clock: Clock, progress: Progress |
             return strong
 
     def run(tension: bool) -> EquilibriumSolution:
-        if progress is not None:
-            progress("forces with tension" if tension else "equilibrium", int(tension), 2)
+        clock.tell("forces with tension" if tension else "equilibrium", int(tension), 2)
         return solved(
             partial(_program, options=chosen, tension=tension),
             problem.statics,

@@ -23,13 +23,13 @@ from drystone.base.arrays import Floats, Ints, lengths
 from drystone.base.declared import Offered
 from drystone.base.display import named
 from drystone.base.errors import InputError, counted
-from drystone.base.progress import Clock, Progress, Stop, Workers
+from drystone.base.progress import Clock
 from drystone.base.ragged import linked
 from drystone.base.settings import checked_call
 from drystone.base.table import Table
 from drystone.checks import block_speed, corner_motion, moving_joints
 from drystone.geometry.frames import axis_vector
-from drystone.io.opening import Given, How, kept_of, supported_model
+from drystone.io.opening import Given, LongHow, kept_of, supported_model
 from drystone.limits import limit_load
 from drystone.loads import LoadCase
 from drystone.loads.applied import applied_loads
@@ -323,11 +323,7 @@ def local_mechanism(
     part: str | Sequence[str] = (),
     line: Sequence[float] | None = None,
     site: str | SeismicDemand | None = None,
-    executor: Workers | None = None,
-    progress: Progress | None = None,
-    stop: Stop | None = None,
-    time_limit_s: float = float("inf"),
-    **how: Unpack[How],
+    **how: Unpack[LongHow],
 ) -> LocalMechanism:
     """The local collapse mechanism of masonry in an earthquake, by the kinematic method.
 
@@ -367,16 +363,15 @@ def local_mechanism(
     >>> round(found.oscillator.multiplier, 4), round(found.oscillator.displacement, 4)
     (0.1667, 0.25)
     """
-    del executor  # one mechanism
     told = "" if site is None else site if isinstance(site, str) else "given"
     site = SeismicDemand.named(site) if isinstance(site, str) else site
+    clock = Clock.of(how)
     model = supported_model(given, **how)
     model.require_ends_as_drawn("the kinematic method")
     along = axis_vector(direction, "direction") * np.array([1.0, 1.0, 0.0])
     if not along.any():
         raise InputError("is vertical", where="direction", remedy="give x, y or another level one")
     along /= np.linalg.norm(along)
-    clock = Clock(time_limit_s, stop)
     part = part if isinstance(part, str) else tuple(part)
     asked = _Asked(
         direction=", ".join(f"{x:.4g}" for x in along + 0.0),
@@ -398,7 +393,7 @@ def local_mechanism(
         )  # fmt: skip
     if line is not None:
         raise InputError("is for a part", where="line", remedy="name its blocks: --part")
-    late: dict[str, Any] = {"progress": progress, "stop": clock.late}
+    late: dict[str, Any] = {"progress": clock.progress, "stop": clock.late}
     return replace(_found(model, along, site, late), options=asked)
 
 

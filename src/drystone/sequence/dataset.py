@@ -23,13 +23,13 @@ from drystone.base.display import OneLine
 from drystone.base.errors import FormatError, InputError, counted
 from drystone.base.files import PathLike, as_path, write_text
 from drystone.base.journal import Journal
-from drystone.base.progress import Clock, Progress, Stop, Workers
+from drystone.base.progress import Clock
 from drystone.base.settings import Options, checked_call
 from drystone.base.table import Table
 from drystone.base.version import version
 from drystone.base.workers import WorkerPool
 from drystone.io import write
-from drystone.io.opening import Given, How, supported_model
+from drystone.io.opening import Given, How, LongHow, supported_model
 from drystone.model import Model
 from drystone.results import Verdict
 from drystone.sequence.checkpoint import fingerprint
@@ -256,11 +256,7 @@ def dataset(
     out: PathLike,
     *,
     options: DatasetOptions | None = None,
-    executor: Workers | None = None,
-    progress: Progress | None = None,
-    stop: Stop | None = None,
-    time_limit_s: float = float("inf"),
-    **how: Unpack[How],
+    **how: Unpack[LongHow],
 ) -> Dataset:
     """Write a data set of subsets of structures, their verdicts, the friction left, and orders.
 
@@ -283,21 +279,21 @@ def dataset(
         The folder has other data, is damaged before its end, or cannot be written.
     """
     chosen = DatasetOptions.of(options)
+    clock = Clock.of(how)
     given = _models(models, how)
     names = [_name(number, one) for number, one in enumerate(given)]
     tasks = [task for number, model in enumerate(given) for task in _tasks(number, model, chosen)]
     total = sum(len(task.orders) for task in tasks)
-    clock, folder = Clock(time_limit_s, stop), as_path(out)
+    folder = as_path(out)
     shards = _Shards(folder, _about(given, chosen, total), given)
     _require_asked(shards, tasks)
     _write_structures(folder, dict(zip(names, given, strict=True)))
     left = _left(tasks, len(shards.found))
-    with WorkerPool(executor) as pool:
+    with WorkerPool(clock.workers) as pool:
         answers = pool.answers(_answered, [task for _, task in left], clock.late)
         for (known, _), records in zip(left, answers, strict=False):
             shards.add(records[known:])
-            if progress is not None:
-                progress("orders", len(shards.found), total)
+            clock.tell("orders", len(shards.found), total)
     made = len(shards.found)
     stopped = f"{clock.reason} after {made} of {total} orders" if made < total else ""
     found = Dataset(

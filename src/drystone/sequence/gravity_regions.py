@@ -14,11 +14,11 @@ from drystone.answer.drawing import bare_scene
 from drystone.base.arrays import Bools, Floats, frozen_floats
 from drystone.base.declared import Offered
 from drystone.base.errors import InputError, counted
-from drystone.base.progress import Clock, Progress, Stop, Workers
+from drystone.base.progress import Clock
 from drystone.base.settings import checked_call
 from drystone.base.table import Table
 from drystone.base.workers import WorkerPool
-from drystone.io.opening import Given, How, as_model
+from drystone.io.opening import Given, LongHow, as_model
 from drystone.loads import LoadCase
 from drystone.loads.applied import applied_loads
 from drystone.model import Model
@@ -132,11 +132,7 @@ def gravity_region(
     *,
     directions: int | Floats = 200,
     stands: bool = False,
-    executor: Workers | None = None,
-    progress: Progress | None = None,
-    stop: Stop | None = None,
-    time_limit_s: float = float("inf"),
-    **how: Unpack[How],
+    **how: Unpack[LongHow],
 ) -> GravityRegion:
     """The directions of gravity in which an assembly holds, without and with friction.
 
@@ -166,6 +162,7 @@ def gravity_region(
     >>> found.frictionless.tolist(), found.balanced.tolist()
     ([True, False, False], [True, False, True])
     """
+    clock = Clock.of(how)
     model = as_model(given, **how)
     if key is not None:
         model = model.with_supports([key] if isinstance(key, int | str) else list(key))
@@ -182,12 +179,10 @@ def gravity_region(
     unit = _unit_directions(directions)
     jobs = [(model, tuple(one), stands) for one in unit.tolist()]
     found: list[tuple[bool, bool, bool]] = []
-    clock = Clock(time_limit_s, stop)
-    with WorkerPool(executor) as pool:
+    with WorkerPool(clock.workers) as pool:
         for answer in pool.answers(_held, jobs, lambda: bool(found) and clock.late()):
             found.append(answer)
-            if progress is not None:
-                progress("directions", len(found), len(jobs))
+            clock.tell("directions", len(found), len(jobs))
     table = np.array(found, dtype=bool).reshape(-1, 3)
     unit = unit[: len(found)]
     return GravityRegion(model, unit, table[:, 0], table[:, 1], table[:, 2] if stands else None)

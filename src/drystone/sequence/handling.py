@@ -10,7 +10,7 @@ import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property, partial
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 
@@ -20,7 +20,7 @@ from drystone.base.arrays import Bools, Floats
 from drystone.base.display import OneLine, named
 from drystone.base.errors import counted
 from drystone.base.files import PathLike, write_text
-from drystone.base.progress import Clock, Progress, Stop, Workers
+from drystone.base.progress import Clock, LongWork
 from drystone.base.settings import checked_call
 from drystone.base.table import Table
 from drystone.base.workers import WorkerPool
@@ -313,10 +313,7 @@ def handling(
     margins: Margins | None = None,
     scaffolding: Scaffolding | None = None,
     options: PathOptions | None = None,
-    executor: Workers | None = None,
-    progress: Progress | None = None,
-    stop: Stop | None = None,
-    time_limit_s: float = float("inf"),
+    **work: Unpack[LongWork],
 ) -> Handling:
     """The placements and holds of a plan, for robots.
 
@@ -351,13 +348,12 @@ def handling(
     up = plan.model.up.tolist()
     finder = PathFinder(model, options if options is not None else PathOptions(up=tuple(up)))
     jobs = list(_in_order(plan))
-    clock = Clock(time_limit_s, stop)
+    clock = Clock.of(work)
     paths: list[RemovalPath | NoPath] = []
-    with WorkerPool(executor) as pool:
+    with WorkerPool(clock.workers) as pool:
         for found in pool.answers(partial(_path, finder), jobs, clock.late):
             paths.append(found)
-            if progress is not None:
-                progress("paths of insertion", len(paths), len(jobs))
+            clock.tell("paths of insertion", len(paths), len(jobs))
     notes = list(plan.notes)
     ends = plan.steps[plan.known_steps :]
     if ends:

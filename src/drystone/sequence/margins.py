@@ -9,14 +9,14 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any, TypeAlias, TypeVar
+from typing import Any, TypeAlias, TypeVar, Unpack
 
 import numpy as np
 
 from drystone.answer import Answer, Role, Scene, Sentence
 from drystone.base.display import rounded_down, rounded_up
 from drystone.base.errors import InputError, counted
-from drystone.base.progress import Clock, Progress, Stop, Workers
+from drystone.base.progress import Clock, LongWork
 from drystone.base.settings import checked_call
 from drystone.base.table import Table
 from drystone.base.workers import WorkerPool
@@ -153,10 +153,7 @@ def margins(
     tilt_width: float = 0.5,
     tilt_upper: float = 45.0,
     directions: int = 4,
-    executor: Workers | None = None,
-    progress: Progress | None = None,
-    stop: Stop | None = None,
-    time_limit_s: float = float("inf"),
+    **work: Unpack[LongWork],
 ) -> Margins:
     """Least friction and tilt limit of every stage of a plan, with its props in place.
 
@@ -175,8 +172,8 @@ def margins(
     widths = LimitOptions(width=friction_width, scan=1), LimitOptions(width=tilt_width, scan=2)
     task = partial(_margin_of, plan.model, widths=widths, upper=tilt_upper, directions=directions)
     stages = [Stage(step.placed, mask_of(step.props)) for step in plan.steps]
-    clock = Clock(time_limit_s, stop)
-    found = list(in_turn(task, stages, "margins", executor, progress, clock))
+    clock = Clock.of(work)
+    found = list(in_turn(task, stages, "margins", clock))
     unknown = [Margin(math.nan, math.nan)] * (len(stages) - len(found))
     within = friction_width, tilt_width
     return Margins(plan, (*found, *unknown), clock.reason if unknown else "", within)
@@ -186,16 +183,13 @@ def in_turn(
     task: Callable[[Given], Found],
     values: Sequence[Given],
     name: str,
-    executor: Workers | None,
-    progress: Progress | None,
     clock: Clock,
 ) -> Iterator[Found]:
     """Results of a task for several values, in order, until the time limit."""
-    with WorkerPool(executor) as pool:
+    with WorkerPool(clock.workers) as pool:
         for number, found in enumerate(pool.answers(task, values, clock.late), start=1):
             yield found
-            if progress is not None:
-                progress(name, number, len(values))
+            clock.tell(name, number, len(values))
 
 
 def _margin_of(
@@ -299,11 +293,7 @@ def sweep_friction(
     model: Model,
     frictions: Sequence[float],
     plan_at: PlanAt,
-    *,
-    executor: Workers | None = None,
-    progress: Progress | None = None,
-    stop: Stop | None = None,
-    time_limit_s: float = float("inf"),
+    **work: Unpack[LongWork],
 ) -> FrictionSweep:
     """Plan at several friction coefficients, each the same for all joints.
 
@@ -316,11 +306,11 @@ def sweep_friction(
     if not len(frictions):
         raise InputError("no friction coefficient", where="sweep", remedy="give one or more")
     values = tuple(sorted(float(f) for f in frictions))
-    clock = Clock(time_limit_s, stop)
+    clock = Clock.of(work)
     models = [model.with_friction(value) for value in values]
     plans, reasons = [], []
     best: tuple[float, Plan] | None = None
-    found = in_turn(plan_at, models, "friction", executor, progress, clock)
+    found = in_turn(plan_at, models, "friction", clock)
     for value, plan in zip(values, found, strict=False):
         if plan.stopped:
             break

@@ -12,9 +12,9 @@ import numpy as np
 
 from drystone.base.errors import counted
 from drystone.base.files import PathLike
-from drystone.base.progress import Clock, Progress, Stop, Stopped, Workers
+from drystone.base.progress import Clock, Stopped
 from drystone.base.settings import Options, checked_call
-from drystone.io.opening import Given, How, as_model
+from drystone.io.opening import Given, LongHow, as_model
 from drystone.results import Verdict
 from drystone.sequence.evaluation import Evaluator
 from drystone.sequence.helping import Trimmed, mended, trimmed
@@ -93,11 +93,7 @@ def plan(
     options: PlanOptions | None = None,
     check: Check | None = None,
     checkpoint: PathLike | None = None,
-    executor: Workers | None = None,
-    progress: Progress | None = None,
-    stop: Stop | None = None,
-    time_limit_s: float = float("inf"),
-    **how: Unpack[How],
+    **how: Unpack[LongHow],
 ) -> Plan:
     """Plan the order of assembly, the held blocks and the props.
 
@@ -138,12 +134,13 @@ def plan(
     3
     """
     chosen = PlanOptions.of(options)
+    clock = Clock.of(how)
     model = StagedModel(as_model(given, **how), check or check_both)
     if check is None:
         model = replace(model, quick=stage_screening(model.largest[0]))
     bound = bind(chosen.rules, model, RemovalTest(model))
-    clock = Clock(time_limit_s, stop)
-    with Evaluator(model, executor=executor, checkpoint=checkpoint, late=clock.late) as evaluator:
+    workers, late = clock.workers, clock.late
+    with Evaluator(model, executor=workers, checkpoint=checkpoint, late=late) as evaluator:
         complete = evaluator.answer(Stage(model.everything))
         if check is None and model.small and not complete.stands:
             complete = evaluator.settled(Stage(model.everything), check_thoroughly)
@@ -152,10 +149,7 @@ def plan(
             if whole.stable and whole.contacts.count > model.contacts.count:
                 # edges that touch hold it: they count in the stages too
                 with_edges = replace(whole.model, report=None)
-                return plan(
-                    with_edges, options=options, checkpoint=checkpoint, executor=executor,
-                    progress=progress, stop=stop, time_limit_s=clock.left_s,
-                )  # fmt: skip
+                return plan(with_edges, options=options, checkpoint=checkpoint, **clock.rest)
             if whole.verdict is Verdict.UNDECIDED:
                 why = whole.message
                 complete = replace(complete, verdict=whole.verdict, message=why, falling=())
@@ -164,7 +158,7 @@ def plan(
                     return _no_plan(evaluator, complete, message)
         if not complete.stands and not chosen.anyway:
             return _no_plan(evaluator, complete, _refusal(complete, model.assembly.names))
-        planner = _Planner(evaluator, bound, chosen, progress, clock)
+        planner = _Planner(evaluator, bound, chosen, clock)
         try:
             return planner.run(complete)
         except Stopped:
@@ -187,7 +181,6 @@ class _Planner:
         evaluator: Evaluator,
         bound: BoundRules,
         options: PlanOptions,
-        progress: Progress | None,
         clock: Clock,
     ) -> None:
         self.evaluator = evaluator
@@ -196,7 +189,6 @@ class _Planner:
         self.model = evaluator.model
         self.bound = bound
         self.options = options
-        self.progress = progress
         self.last_search: OrderSearch | None = None
         self.scaffold: ScaffoldedStages | None = None
         if options.scaffold is not None:
@@ -326,7 +318,7 @@ class _Planner:
             Propped blocks above which it gives up.
         """
         self.last_search = OrderSearch(
-            self.evaluator, bound, self.patience, self.options.width, progress=self.progress,
+            self.evaluator, bound, self.patience, self.options.width, progress=self.clock.progress,
             scaffold=self.scaffold, carried=carried, limit=limit,
         )  # fmt: skip
         return self.last_search
@@ -390,8 +382,7 @@ class _Planner:
             if told:
                 step = replace(step, why=without_help(self.evaluator, step, props[0]))
             steps.append(step)
-            if self.progress is not None:
-                self.progress("verifying stages", len(steps), len(path) - 1)
+            self.clock.tell("verifying stages", len(steps), len(path) - 1)
         steps.reverse()
         impossible = dict(self.bound.reasons)
         return Plan(

@@ -20,11 +20,11 @@ from drystone.assembly import Assembly
 from drystone.base import units
 from drystone.base.arrays import Floats
 from drystone.base.errors import InputError, counted
-from drystone.base.progress import Clock, Progress, Stop, Workers
+from drystone.base.progress import Clock, LongWork
 from drystone.base.settings import checked_call
 from drystone.base.table import Table
 from drystone.base.workers import WorkerPool
-from drystone.io.opening import Given, How, as_model
+from drystone.io.opening import Given, LongHow, as_model
 from drystone.model import Model
 from drystone.results import Result, Verdict
 from drystone.sequence import planner
@@ -238,10 +238,7 @@ def scaffolding(
     *,
     options: ScaffoldOptions | None = None,
     check: Check = check_once,
-    executor: Workers | None = None,
-    progress: Progress | None = None,
-    stop: Stop | None = None,
-    time_limit_s: float = float("inf"),
+    **work: Unpack[LongWork],
 ) -> Scaffolding:
     """Check the stages of a plan again, with scaffolding in place of its ideal props.
 
@@ -272,18 +269,17 @@ def scaffolding(
     One rope of the crown, which slides off its one neighbour, carries up to 513 N.
     """
     stages = ScaffoldedStages(plan.model.model, support, options, check)
-    clock = Clock(time_limit_s, stop)
+    clock = Clock.of(work)
     propped = [(number, step) for number, step in enumerate(plan.steps) if step.props]
     rows: list[_Row] = []
-    with WorkerPool(executor) as pool:
+    with WorkerPool(clock.workers) as pool:
         several = [(step.placed, mask_of(step.props)) for _, step in propped]
         answers = pool.answers(partial(_checked, stages), several, clock.late)
         for (number, step), (whole, result) in zip(propped, answers, strict=False):
             told = ", ".join(plan.model.assembly.names[b] for b in sorted(step.props))
             followed = "no" if stages.only_looked_at(whole, result) else "yes"
             rows.append(_row(number + 1, told, whole, result, followed))
-            if progress is not None:
-                progress("scaffolding", len(rows), len(propped))
+            clock.tell("scaffolding", len(rows), len(propped))
     failed = [row.step for row in rows if row.verdict != Verdict.STABLE.value or row.overloaded]
     failed += [i for i, one in enumerate(plan.steps, 1) if not (one.props or one.answer.stands)]
     columns = {key: [getattr(row, key) for row in rows] for key in _Row._fields}
@@ -346,11 +342,7 @@ def compare_scaffolding(
     orders: Sequence[Order | str] = (Order.TOP, Order.COURSE),
     *,
     options: planner.PlanOptions | None = None,
-    executor: Workers | None = None,
-    progress: Progress | None = None,
-    stop: Stop | None = None,
-    time_limit_s: float = float("inf"),
-    **how: Unpack[How],
+    **how: Unpack[LongHow],
 ) -> Table:
     """Plan a model with each kind of scaffolding in each order, and compare what it takes.
 
@@ -386,27 +378,23 @@ def compare_scaffolding(
     >>> table["failed_stages"].tolist()
     [0, 0]
     """
+    clock = Clock.of(how)
     model = as_model(given, **how)
     chosen = planner.PlanOptions.of(options)
     named = [Support.named(one) for one in kinds]
     names = [_order_name(order) for order in orders]
     if not named or not names:
         raise InputError("nothing to compare", remedy="give a kind and an order")
-    clock = Clock(time_limit_s, stop)
     rows: list[dict[str, object]] = []
     for name, kind in product(names, named):
-        if progress is not None:
-            progress("scaffolding", len(rows), len(named) * len(names))
+        clock.tell("scaffolding", len(rows), len(named) * len(names))
         fewest = name == FEWEST
         rules = replace(chosen.rules, order=Order.TOP if fewest else Order(name))
         patience = float("inf") if fewest else chosen.patience
         planned = planner.plan(
             model,
             options=replace(chosen, rules=rules, scaffold=kind, patience=patience),
-            executor=executor,
-            progress=progress,
-            stop=stop,
-            time_limit_s=clock.left_s,
+            **clock.rest,
         )
         made = None
         if planned.steps:
@@ -414,7 +402,7 @@ def compare_scaffolding(
                 planned,
                 kind,
                 options=chosen.scaffold_options,
-                executor=executor,
+                executor=clock.workers,
                 stop=clock.late,
             )
         rows.append(_compared(name, kind, planned, None if made is None or made.stopped else made))

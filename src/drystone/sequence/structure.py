@@ -13,7 +13,7 @@ from drystone.assembly.assembly import Blocks
 from drystone.base.arrays import Bools, Floats, frozen, number, whole
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
-from drystone.base.progress import Clock, Progress, Stop, Workers
+from drystone.base.progress import Clock, LongWork
 from drystone.base.settings import checked_call
 from drystone.base.workers import WorkerPool
 from drystone.io.opening import Given, How, Whole, supported_model
@@ -166,10 +166,7 @@ class Structure(OneLine):
         *,
         held: Bools | None = None,
         load: Whole | None = None,
-        executor: Workers | None = None,
-        progress: Progress | None = None,
-        stop: Stop | None = None,
-        time_limit_s: float = float("inf"),
+        **work: Unpack[LongWork],
     ) -> StageAnswers:
         """Whether subsets of the blocks stand.
 
@@ -202,11 +199,11 @@ class Structure(OneLine):
             fixed |= given
         sets = list(zip(self._sets(placed), self._sets(fixed), strict=True))
         order = sorted(range(len(sets)), key=lambda i: -sets[i][0].bit_count())
-        clock = Clock(time_limit_s, stop, progress)
+        clock = Clock.of(work)
         late = StageAnswer(Verdict.UNDECIDED)
         found = dict.fromkeys(range(len(sets)), late)
         asked = self._of(load)
-        with WorkerPool(executor, needed=False) as pool:
+        with WorkerPool(clock.workers, needed=False) as pool:
             size = max(1, 4 * pool.count)
             for begin in range(0, len(order), size):
                 some = order[begin : begin + size]

@@ -19,11 +19,11 @@ from drystone.answer import Answer, Question, Role, Scene, SceneStage, Sentence,
 from drystone.base.arrays import Floats
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
-from drystone.base.progress import Clock, Progress, Stop, Stopped, Workers
+from drystone.base.progress import Clock, Stopped
 from drystone.base.settings import checked_call
 from drystone.base.table import Table
 from drystone.base.units import quantity
-from drystone.io.opening import Given, How, as_model
+from drystone.io.opening import Given, LongHow, as_model
 from drystone.loads import STANDARD_GRAVITY
 from drystone.model import Model
 from drystone.results import Verdict
@@ -235,11 +235,7 @@ def take_turns(
     robots: Sequence[Robot] = PAIR,
     *,
     check: Check = check_both,
-    executor: Workers | None = None,
-    progress: Progress | None = None,
-    stop: Stop | None = None,
-    time_limit_s: float = float("inf"),
-    **how: Unpack[How],
+    **how: Unpack[LongHow],
 ) -> Turns:
     """Whether two or more robots can build a structure by holding the last block in turn.
 
@@ -270,6 +266,7 @@ def take_turns(
     team = check_robots(robots)
     if len(team) < 2:
         raise InputError(f"{len(team)} robots cannot take turns", remedy="give two or more")
+    clock = Clock.of(how)
     structure = StagedModel(as_model(given, **how), check)
     assembly = structure.assembly
     blocks = assembly.free.tolist() if order is None else assembly.indices(order).tolist()
@@ -281,9 +278,8 @@ def take_turns(
         )
     if not blocks:
         raise InputError("no block is free", where="supports", remedy="fix the supports only")
-    clock = Clock(time_limit_s, stop)
-    with Evaluator(structure, executor=executor, late=clock.late) as evaluator:
-        return in_turn(evaluator, blocks, team, clock, progress)
+    with Evaluator(structure, executor=clock.workers, late=clock.late) as evaluator:
+        return in_turn(evaluator, blocks, team, clock)
 
 
 def in_turn(
@@ -291,7 +287,6 @@ def in_turn(
     blocks: Sequence[int],
     team: Sequence[Robot],
     clock: Clock,
-    progress: Progress | None = None,
     *,
     quick: bool = False,
 ) -> Turns:
@@ -313,8 +308,7 @@ def in_turn(
                 complete = answer
                 continue
             turns.append(_turn(evaluator, stage, blocks[i], team[i % len(team)], answer))
-            if progress is not None:
-                progress("turns", i + 1, len(blocks))
+            clock.tell("turns", i + 1, len(blocks))
             if not turns[-1].works:
                 return Turns(structure, tuple(team), tuple(turns), None)
     stopped = "" if complete is not None else clock.reason

@@ -11,11 +11,11 @@ import numpy as np
 from drystone.base.arrays import SAME, Bools, Floats, cross, frozen, frozen_floats
 from drystone.base.declared import Offered
 from drystone.base.errors import InputError
-from drystone.base.progress import Clock, Progress, Stop, Workers
+from drystone.base.progress import Clock
 from drystone.base.settings import checked_call
 from drystone.base.units import quantity
 from drystone.contacts import Contacts
-from drystone.io.opening import Given, How, as_model
+from drystone.io.opening import Given, LongHow, as_model
 from drystone.loads import LoadCase
 from drystone.loads.case import STANDARD_GRAVITY
 from drystone.loads.earthquake import Shaken
@@ -49,11 +49,7 @@ def push(
     *,
     to: float | None = None,
     options: SettlementOptions | None = None,
-    executor: Workers | None = None,
-    progress: Progress | None = None,
-    stop: Stop | None = None,
-    time_limit_s: float = float("inf"),
-    **how: Unpack[How],
+    **how: Unpack[LongHow],
 ) -> LargeDisplacement:
     """Push a structure until it needs no push any more: load against displacement.
 
@@ -98,7 +94,7 @@ def push(
     >>> round(found.peak, 3), round(found.capacity, 2)
     (0.5, 0.5)
     """
-    del executor  # one chain of increments
+    clock = Clock.of(how)
     model = as_model(given, **how)
     if isinstance(live, LoadCase):
         case = LoadCase.of(model.assembly, live)
@@ -128,7 +124,7 @@ def push(
         ended = driver.grow(grown, (bodies.length_unit if to is None else to) / share, tell)
         return ended, share, 1.0
 
-    return _driven(model, Drive.LOAD, run, options, progress, Clock(time_limit_s, stop))
+    return _driven(model, Drive.LOAD, run, options, clock)
 
 
 @checked_call
@@ -139,11 +135,7 @@ def move_supports(
     to: float | None = None,
     options: SettlementOptions | None = None,
     watch: Callable[[LargeState], None] | None = None,
-    executor: Workers | None = None,
-    progress: Progress | None = None,
-    stop: Stop | None = None,
-    time_limit_s: float = float("inf"),
-    **how: Unpack[How],
+    **how: Unpack[LongHow],
 ) -> LargeDisplacement:
     """Move supports by finite amounts until the blocks fall: how far, and with which forces.
 
@@ -166,7 +158,7 @@ def move_supports(
     InputError
         No support moves, or ``to`` is not above zero.
     """
-    del executor  # one chain of increments
+    clock = Clock.of(how)
     model = as_model(given, **how)
     moving = support_motion(model, motion)
     longest = 0.0 if moving is None else _longest(model, moving)
@@ -178,7 +170,6 @@ def move_supports(
         moving, longest = moving * (to / longest), to
     still = model.with_load(LoadCase(model.load.wrench, model.load.name, model.load.notes))
 
-    clock = Clock(time_limit_s, stop)
     watched = 0.0
 
     def run(used: Model, bodies: Bodies, driver: Driver, tell: Tell) -> tuple[Ended, float, float]:
@@ -194,7 +185,7 @@ def move_supports(
         ended = driver.shift(scaled_motion(bodies, moving), longest / bodies.length_unit, told)
         return ended, longest, bodies.force_unit
 
-    return _driven(still, Drive.SUPPORTS, run, options, progress, clock)
+    return _driven(still, Drive.SUPPORTS, run, options, clock)
 
 
 @checked_call
@@ -202,23 +193,19 @@ def reduce_friction(
     given: Given,
     *,
     options: SettlementOptions | None = None,
-    executor: Workers | None = None,
-    progress: Progress | None = None,
-    stop: Stop | None = None,
-    time_limit_s: float = float("inf"),
-    **how: Unpack[How],
+    **how: Unpack[LongHow],
 ) -> LargeDisplacement:
     """Let all friction coefficients decay from their values to zero, until the blocks fall.
 
     The last load is the share of the friction at which they fall. All else is as in :func:`push`.
     """
-    del executor  # one chain of increments
+    clock = Clock.of(how)
     model = as_model(given, **how)
 
     def run(_: Model, bodies: Bodies, driver: Driver, tell: Tell) -> tuple[Ended, float, float]:
         return driver.slacken(tell), bodies.length_unit, 1.0
 
-    return _driven(model, Drive.FRICTION, run, options, progress, Clock(time_limit_s, stop))
+    return _driven(model, Drive.FRICTION, run, options, clock)
 
 
 def _driven(
@@ -226,7 +213,6 @@ def _driven(
     drive: Drive,
     run: Callable[[Model, Bodies, Driver, Tell], tuple[Ended, float, float]],
     options: SettlementOptions | None,
-    progress: Progress | None,
     clock: Clock,
 ) -> LargeDisplacement:
     """One run; ``run`` gives how it ended, and a displacement and a load of one in m and N.
@@ -247,8 +233,7 @@ def _driven(
     def tell(share: float) -> None:
         nonlocal most
         most = max(most, min(int(100.0 * share), 99))
-        if progress is not None:
-            progress(STAGE[drive], most, 100)
+        clock.tell(STAGE[drive], most, 100)
 
     overlap = chosen.overlap
     while True:
@@ -264,8 +249,7 @@ def _driven(
         if ended is not Ended.SOFT:
             break
         overlap *= STIFFER
-    if progress is not None:
-        progress(STAGE[drive], 100, 100)
+    clock.tell(STAGE[drive], 100, 100)
     curve = np.array(driver.curve) * (length, load)
     shown, mine, kept = model_with_met(model, apart, driver.met)
     states = tuple(state_of(shown, bodies, one, mine, kept, length, load) for one in driver.kept())
@@ -283,7 +267,7 @@ def _driven(
     if fallen is not None and len(curve) < 2:
         touching = with_what_touches(model, fallen.positions)
         if touching is not None:
-            return _driven(touching, drive, run, options, progress, clock)
+            return _driven(touching, drive, run, options, clock)
     return replace(found, message=_said(found, driver))
 
 

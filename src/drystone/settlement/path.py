@@ -17,7 +17,7 @@ import numpy as np
 from drystone.assembly import Assembly
 from drystone.base.arrays import Floats, Ints, lengths
 from drystone.base.errors import InputError
-from drystone.base.progress import Clock, Progress
+from drystone.base.progress import Clock
 from drystone.checks import FORCE_TOLERANCE
 from drystone.contacts import Contacts
 from drystone.geometry.frames import rotations
@@ -232,7 +232,6 @@ def path_of(
     carrier: Carrier,
     first: bool,
     *,
-    progress: Progress | None = None,
     overlap: float | None = None,
     other: SettlementPath | None = None,
 ) -> tuple[SettlementPath, bool]:
@@ -252,8 +251,7 @@ def path_of(
     def tell(travel: float) -> None:
         nonlocal most
         most = max(most, min(int(100.0 * travel / chosen.fall), 99))
-        if progress is not None:
-            progress(stage, most, 100)
+        case.clock.tell(stage, most, 100)
 
     overlap = chosen.overlap if overlap is None else overlap
     far: tuple[Bodies, Track] | None = None
@@ -291,8 +289,7 @@ def path_of(
         bodies, track = almost  # neither shown to rest nor to fall
     if track.ended is Ended.FALLS:
         case.falls.setdefault(carrier, follower.course)
-    if progress is not None:
-        progress(stage, 100, 100)
+    case.clock.tell(stage, 100, 100)
     return _path_after(case, carrier, first, bodies, track)
 
 

@@ -11,13 +11,13 @@ import numpy as np
 
 from drystone.base.arrays import Floats, Ints
 from drystone.base.display import first_of, rounded_up
-from drystone.base.progress import Clock, Progress, Stop, Workers
+from drystone.base.progress import Clock, Stop, Workers
 from drystone.base.ragged import linked
 from drystone.base.settings import checked_call
 from drystone.base.workers import WorkerPool
 from drystone.contacts import joined_contacts
 from drystone.detection.tolerances import millimetres
-from drystone.io.opening import Given, How, supported_model
+from drystone.io.opening import Given, LongHow, supported_model
 from drystone.mechanics.corners import Carrier
 from drystone.mechanics.follow import Course
 from drystone.mechanics.increments import FEW
@@ -111,11 +111,7 @@ def settle(
     motion: Mapping[int | str, Any] | None = None,
     *,
     options: SettlementOptions | None = None,
-    executor: Workers | None = None,
-    progress: Progress | None = None,
-    stop: Stop | None = None,
-    time_limit_s: float = float("inf"),
-    **how: Unpack[How],
+    **how: Unpack[LongHow],
 ) -> Settlement:
     """Follow the blocks step by step until they rest or fall.
 
@@ -154,16 +150,16 @@ def settle(
     (<Outcome.RESTS: 'comes to rest'>, 0.005)
     """
     chosen = SettlementOptions.of(options)
+    clock = Clock.of(how)
     model = supported_model(given, **how)
     model.require_dry("settlement", _UNKNOWN, yielding=True)
-    clock = Clock(time_limit_s, stop)
     moving = support_motion(model, motion)
     model = model.with_load(replace(model.load, motion=None))
-    found = _carried(model, moving, chosen, clock, executor, progress)
+    found = _carried(model, moving, chosen, clock)
     falls = found.outcome is Outcome.FALLS
     more = with_what_touches(model, found.displacement) if falls else None
     if more is not None:
-        found = _carried(more, moving, chosen, clock, executor, progress)
+        found = _carried(more, moving, chosen, clock)
     if found.outcome is not Outcome.ENDS_DECIDE:
         return found
     return replace(found, message=f"{found.message}{said_longer(*found.paths)}")
@@ -183,9 +179,13 @@ def settle_for_verdict(
     Of many blocks the path ends where a block has moved farther than ``rest_within``: wherever it
     goes from there, the structure does not stand. ``felt``, ``falls``: see :class:`FollowedCase`.
     """
-    chosen, clock, begun = SettlementOptions.of(options), Clock(float("inf"), stop), bool(falls)
+    chosen, clock, begun = (
+        SettlementOptions.of(options),
+        Clock(float("inf"), stop, workers=executor),
+        bool(falls),
+    )
     left_at = chosen.rest_within if len(model.assembly.free) > FEW else np.inf
-    follow = partial(_carried, model, None, chosen, clock, executor, None, left_at, felt)
+    follow = partial(_carried, model, None, chosen, clock, left_at, felt)
     found = follow(falls)
     # what ends otherwise than those that fell is followed in full
     return follow() if begun and found.outcome is not Outcome.FALLS else found
@@ -196,8 +196,6 @@ def _carried(
     moving: Floats | None,
     chosen: SettlementOptions,
     clock: Clock,
-    executor: Workers | None,
-    progress: Progress | None,
     left_at: float = np.inf,
     felt: Floats | None = None,
     falls: dict[Carrier, Course] | None = None,
@@ -209,7 +207,7 @@ def _carried(
     apart = faces_apart(model, chosen.fall)
     falls = {} if falls is None else falls
     case = FollowedCase(model, apart, chosen, clock, moving, left_at, felt, falls)
-    paths = _paths(case, executor, progress)
+    paths = _paths(case)
     for _ in range(MEETINGS):
         if any(path.outcome is not Outcome.FALLS for path in paths) or clock.late():
             break
@@ -219,18 +217,18 @@ def _carried(
         every = joined_contacts(case.apart.contacts, met.contacts)
         more = replace(case, apart=Apart(every, np.concatenate([case.apart.gap, met.gap])))
         case.falls.clear()  # of joints that are not all
-        again = _paths(more, executor, progress)
+        again = _paths(more)
         if not all(_on_faces(path) for path in again):
             break
         case, paths = more, again
-    paths = _part_by_part(case, paths, executor)
+    paths = _part_by_part(case, paths)
     outcome, message = outcome_of(paths, clock)
     spent = {"solve": clock.elapsed_s - began}
     return Settlement(outcome, message, paths, clock.reason, chosen, spent)
 
 
 def _part_by_part(
-    case: FollowedCase, paths: tuple[SettlementPath, ...], executor: Workers | None
+    case: FollowedCase, paths: tuple[SettlementPath, ...]
 ) -> tuple[SettlementPath, ...]:
     """The paths; where many do not rest, those of parts that neither touch nor may meet, if all do.
 
@@ -241,7 +239,7 @@ def _part_by_part(
     for blocks in _parts(case) if {path.outcome for path in paths} != {Outcome.RESTS} else ():
         one = case.model.subset(blocks.tolist())
         left_at = case.left_at if len(one.assembly.free) > FEW else np.inf
-        alone = _carried(one, None, case.chosen, case.clock, executor, None, left_at)
+        alone = _carried(one, None, case.chosen, case.clock, left_at)
         if not alone.rests or any(path.met for path in alone.paths):
             return paths
         found.append((blocks, alone.paths))
@@ -309,17 +307,15 @@ def _on_faces(path: SettlementPath) -> bool:
 _Run: TypeAlias = tuple[SettlementPath, bool, dict[Carrier, Course]]
 
 
-def _paths(
-    case: FollowedCase, executor: Workers | None, progress: Progress | None
-) -> tuple[SettlementPath, ...]:
+def _paths(case: FollowedCase) -> tuple[SettlementPath, ...]:
     """The paths of all carriers; those after one that is unknown are left out."""
     clock, left_at = case.clock, case.left_at
     carriers = carriers_of(case.model, case.chosen)
     tries = [(one, one is not carriers[-1]) for one in carriers]
     known: list[_Run] = []
     # of many blocks, the second run depends on the first one
-    if executor is not None and len(carriers) > 1 and not case.many:
-        with WorkerPool(executor) as pool:
+    if clock.workers is not None and len(carriers) > 1 and not case.many:
+        with WorkerPool(clock.workers) as pool:
             known = list(pool.answers(partial(_tried, case), tries, clock.late))
     paths: tuple[SettlementPath, ...] = ()
     for number, which in enumerate(tries):
@@ -330,7 +326,7 @@ def _paths(
             path, last, falls = known[number]
             case.falls.update(falls)
         else:  # also where the workers were ended early: the beginning of the others
-            path, last = path_of(case, *which, progress=progress, overlap=stiff, other=other)
+            path, last = path_of(case, *which, overlap=stiff, other=other)
         paths += (path,)
         if last or path.outcome is Outcome.UNKNOWN:
             break  # then the outcome is unknown, whatever the other one does
@@ -339,9 +335,7 @@ def _paths(
         rests = first.outcome is Outcome.FALLS and second.outcome is Outcome.RESTS
         if rests and second.overlap < first.overlap:
             # the springs of the first run were too soft as well
-            path, _ = path_of(
-                case, *tries[0], progress=progress, overlap=second.overlap, other=second
-            )
+            path, _ = path_of(case, *tries[0], overlap=second.overlap, other=second)
             paths = path, second
     return paths
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from drystone.base.arrays import Floats, lengths
-from drystone.base.progress import Clock, Progress
+from drystone.base.progress import Clock
 from drystone.base.workers import WorkerPool
 from drystone.checks import unbalanced_wrench
 from drystone.formulations.corner_forces import FrictionCone
@@ -54,7 +54,7 @@ class Asked:
 
     Attributes
     ----------
-    problem, options, clock, progress
+    problem, options, clock
     nearest
         The mechanism nearest to free fall, once it is known.
     tried
@@ -76,7 +76,6 @@ class Asked:
     problem: Problem
     options: CheckOptions
     clock: Clock
-    progress: Progress | None = None
     nearest: NearestMechanism | None = None
     tried: tuple[Candidate, ...] = ()
     planned: int = 1
@@ -90,8 +89,7 @@ class Asked:
         """Say what is calculated next."""
         if not self.clock.reason:
             self.stage = stage
-        if self.progress is not None:
-            self.progress(stage, done, 3 + self.options.samples)
+        self.clock.tell(stage, done, 3 + self.options.samples)
 
     def depends_on(self, what: Sensitivity) -> None:
         """Keep what the answer depends on."""

@@ -10,12 +10,12 @@ from drystone.assembly import Assembly
 from drystone.base.errors import DrystoneError, InputError, quoted
 from drystone.base.files import PathLike
 from drystone.base.journal import Journal, add_answers, exactly
-from drystone.base.progress import Clock, Progress, Stop, Workers
+from drystone.base.progress import Clock
 from drystone.base.settings import checked_call
 from drystone.base.table import Table
 from drystone.base.version import version
 from drystone.formulations.nearest_mechanism import nearest_mechanism
-from drystone.io.opening import Given, How, content_of, supported_model
+from drystone.io.opening import Given, LongHow, content_of, supported_model
 from drystone.results import Result
 from drystone.solvers.threads import one_blas_thread
 from drystone.stability.asked import Asked
@@ -40,11 +40,7 @@ def check_many(
     out: PathLike | None = None,
     options: CheckOptions | None = None,
     each_s: float = float("inf"),
-    executor: Workers | None = None,
-    progress: Progress | None = None,
-    stop: Stop | None = None,
-    time_limit_s: float = float("inf"),
-    **how: Unpack[How],
+    **how: Unpack[LongHow],
 ) -> Table:
     """The verdict of each of many models.
 
@@ -87,7 +83,7 @@ def check_many(
     if isinstance(models, Assembly):
         said = f"the models are {quoted(models)}"
         raise InputError(said, remedy="give a list of models, such as [model]")
-    clock = Clock(time_limit_s, stop, progress)
+    clock = Clock.of(how)
     chosen = CheckOptions.of(options)
     journal = None if out is None else Journal(out, _about(chosen, each_s, how), _row)
     kept: list[Row] = [] if journal is None else journal.records
@@ -95,7 +91,7 @@ def check_many(
     rows = [row for row, _ in zip(kept, tasks, strict=False)]  # of the models that are asked about
     total = len(models) if isinstance(models, Sized) else 0
     add_answers(
-        rows, journal, executor, _answered, tasks, failed=_failed, late=clock.late,
+        rows, journal, clock.workers, _answered, tasks, failed=_failed, late=clock.late,
         tell=lambda count: clock.tell("checking models", count, max(total, count)),
     )  # fmt: skip
     told = [[*row[:2], *row[3:]] for row in rows]

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from typing import Unpack
 
 import numpy as np
 
 from drystone.base.arrays import Floats
-from drystone.base.progress import Clock, Progress, Stop, Workers
+from drystone.base.progress import Clock, LongWork
 from drystone.base.settings import checked_call
 from drystone.mechanics import law
 from drystone.model import Model
@@ -26,10 +27,7 @@ def try_rest(
     *,
     screening: Screening = PATIENT,
     start: Floats | None = None,
-    executor: Workers | None = None,
-    progress: Progress | None = None,
-    stop: Stop | None = None,
-    time_limit_s: float = float("inf"),
+    **work: Unpack[LongWork],
 ) -> Result:
     """Look for a rest state with uniform contact stiffness.
 
@@ -59,10 +57,8 @@ def try_rest(
     InputError
         The start has another shape.
     """
-    del executor  # one law after the other
-    clock = Clock(time_limit_s, stop)
-    if progress is not None:
-        progress("rest state", 0, 1)
+    clock = Clock.of(work)
+    clock.tell("rest state", 0, 1)
     problem = Problem.of(given)
     model = problem.model
     if model.contacts.brittle:  # mortar that cracks holds nothing that stands on springs alone

@@ -21,10 +21,10 @@ from typing import TypeAlias, Unpack
 import numpy as np
 
 from drystone.base.arrays import Floats
-from drystone.base.progress import Clock, Progress, Stop, Workers
+from drystone.base.progress import Clock
 from drystone.base.settings import checked_call
 from drystone.base.workers import WorkerPool
-from drystone.io.opening import Given, How, supported_model
+from drystone.io.opening import Given, LongHow, supported_model
 from drystone.mechanics import law
 from drystone.mechanics.bodies import LIGHT
 from drystone.model import Model
@@ -68,11 +68,7 @@ def check(
     *,
     options: CheckOptions | None = None,
     start: Floats | None = None,
-    executor: Workers | None = None,
-    progress: Progress | None = None,
-    stop: Stop | None = None,
-    time_limit_s: float = float("inf"),
-    **how: Unpack[How],
+    **how: Unpack[LongHow],
 ) -> Result:
     """Does the assembly stand by contact and friction alone, without prestress?
 
@@ -104,14 +100,13 @@ def check(
     >>> drystone.check(arch(0.15), friction=0.9).verdict
     <Verdict.STABLE: 'stable'>
     """
+    clock = Clock.of(how)
     problem = Problem.build(supported_model(given, **how))
-    asked = Asked(problem, CheckOptions.of(options), Clock(time_limit_s, stop), progress)
-    return decided(asked, executor, near=start)
+    return decided(Asked(problem, CheckOptions.of(options), clock), near=start)
 
 
 def decided(
     asked: Asked,
-    executor: Workers | None = None,
     *,
     near: Floats | None = None,
     rest: Candidate | None = None,
@@ -120,7 +115,7 @@ def decided(
 
     Parameters
     ----------
-    asked, executor
+    asked
     near : (n, 6) [m, rad]
         The rest state of a similar model with the same blocks.
     rest
@@ -133,8 +128,8 @@ def decided(
 
         def other(model: Model) -> Result:
             """The verdict on the same blocks with other capacities of joints."""
-            part = Asked(Problem.build(model), asked.options, asked.clock, asked.progress)
-            return decided(part, executor, near=near)
+            part = Asked(Problem.build(model), asked.options, asked.clock)
+            return decided(part, near=near)
 
         if problem.model.contacts.brittle:
             return with_brittle_mortar(problem.model, other, asked.clock)
@@ -143,9 +138,9 @@ def decided(
     def touching(model: Model) -> Result:
         """The verdict on the same blocks with more contacts."""
         more = Asked(Problem.build(model), asked.options, asked.clock)
-        return decided(more, executor)
+        return decided(more)
 
-    with WorkerPool(executor) as pool:
+    with WorkerPool(asked.clock.workers) as pool:
         found = _decided(asked, pool, near, rest)
     return unless_more_holds(found, touching)
 

@@ -16,11 +16,11 @@ from drystone.base.declared import Offered
 from drystone.base.display import rounded_down
 from drystone.base.errors import InputError, counted
 from drystone.base.files import PathLike, digest
-from drystone.base.progress import Clock, Progress, Stop, Workers
+from drystone.base.progress import Clock
 from drystone.base.settings import checked_call
 from drystone.base.table import Table
 from drystone.base.workers import WorkerPool
-from drystone.io.opening import Given, How, supported_model
+from drystone.io.opening import Given, LongHow, supported_model
 from drystone.limits import LimitOptions, limit_friction, limit_shrink
 from drystone.loads.applied import applied_loads
 from drystone.loads.earthquake import Shaken
@@ -176,11 +176,7 @@ def combinations(
     *,
     needed_of: Need = "both",
     options: CheckOptions | None = None,
-    executor: Workers | None = None,
-    progress: Progress | None = None,
-    stop: Stop | None = None,
-    time_limit_s: float = float("inf"),
-    **how: Unpack[How],
+    **how: Unpack[LongHow],
 ) -> Combinations:
     """Check every combination of actions with partial factors.
 
@@ -201,16 +197,16 @@ def combinations(
     InputError
         Something in the file is not known, contradicts another, or has no unit; its place is named.
     """
+    clock = Clock.of(how)
     model = supported_model(given, **how)
     each = read_combinations(file, model)
     for one in each:
         replaced = one.of(model)
         replaced.require_still()
-    clock = Clock(time_limit_s, stop, progress)
     found: list[tuple[Result, list[float]]] = []
     asked = [of for of in _OF if needed_of in (of, "both")]
     task = partial(_checked, asked=asked, options=options)
-    with WorkerPool(executor) as pool:
+    with WorkerPool(clock.workers) as pool:
         for pair in pool.answers(task, (one.of(model) for one in each), clock.late):
             found.append(pair)
             clock.tell("checking combinations", len(found), len(each))

@@ -19,12 +19,12 @@ from drystone.base.display import OneLine, digits_apart, rounded_down, rounded_u
 from drystone.base.errors import DrystoneError, InputError, quoted
 from drystone.base.files import PathLike
 from drystone.base.journal import Journal, add_answers, exactly
-from drystone.base.progress import Clock, Progress, Stop, Workers
+from drystone.base.progress import Clock, Stop
 from drystone.base.settings import checked_call
 from drystone.base.table import Table
 from drystone.base.version import version
 from drystone.io import read
-from drystone.io.opening import Given, How, content_of, supported_model
+from drystone.io.opening import Given, How, LongHow, content_of, supported_model
 from drystone.limits.bounds import tilt_margin
 from drystone.model import Model
 from drystone.results import Verdict
@@ -79,11 +79,7 @@ def study(
     out: PathLike | None = None,
     options: CheckOptions | None = None,
     each_s: float = float("inf"),
-    executor: Workers | None = None,
-    progress: Progress | None = None,
-    stop: Stop | None = None,
-    time_limit_s: float = float("inf"),
-    **how: Unpack[How],
+    **how: Unpack[LongHow],
 ) -> Table:
     """The verdict, or a limit, for each row of a table of parameters.
 
@@ -132,7 +128,7 @@ def study(
     found = ("verdict", *_columns(limit), "mechanism", "message", "time_s")
     _require(rows[0], found, build)
     _require_taken(rows[0], build)
-    chosen, clock = CheckOptions.of(options), Clock(time_limit_s, stop, progress)
+    chosen, clock = CheckOptions.of(options), Clock.of(how)
     about = {
         "format": "drystone-study", "version": version(), "limit": exactly(limit),
         "each_s": repr(each_s), "options": exactly(chosen), "parameters": sorted(rows[0]),
@@ -148,9 +144,9 @@ def study(
     tasks = (_Task(number, inputs, build, limit, chosen, each_s, how)
              for number, inputs in enumerate(rows))  # fmt: skip
     # what is asked to stop in this process is heard inside a row too, which is not kept then
-    answered = _answered if executor is not None else partial(_answered, stop=stop)
+    answered = _answered if clock.workers is not None else partial(_answered, stop=clock.wish)
     add_answers(
-        done, journal, executor, answered, islice(tasks, len(done), None), failed=_failed,
+        done, journal, clock.workers, answered, islice(tasks, len(done), None), failed=_failed,
         late=clock.late, tell=lambda count: clock.tell("studying", count, len(rows)),
     )  # fmt: skip
     columns = {name: [row[i] for row in done] for i, name in enumerate(names)}
