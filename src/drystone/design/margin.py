@@ -170,7 +170,7 @@ class DesignMargin(Options):
         if self.load != 1.0:
             cases[f"under {self.load:g} times its load"] = model.with_load(self.load * model.load)
         if self.tilt > 0.0:
-            for axis in LEVEL_AXES:
+            for axis in LEVEL_AXES.values():
                 way = axis_words(np.array(axis))
                 cases[f"tilted by {self.tilt:g} degrees {way}"] = tilted(model, axis, self.tilt)
         return cases

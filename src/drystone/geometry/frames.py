@@ -19,7 +19,7 @@ AXES = {
 }
 """Axes by name."""
 
-LEVEL_AXES = tuple(AXES[name] for name in ("x", "-x", "y", "-y"))
+LEVEL_AXES = {name: AXES[name] for name in ("x", "-x", "y", "-y")}
 """The horizontal axes about which a structure is tilted, to each of four sides."""
 
 

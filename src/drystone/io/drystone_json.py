@@ -45,6 +45,7 @@ RESULT = (
     *("method", "verdict", "message", "load", *ARRAYS, "falling", "samples", "residuals", "eta"),
     *(
         "tilt_margin",
+        "tilt_about",
         "crushing_factor",
         "sensitive_to",
         "stopped",
@@ -268,6 +269,7 @@ def _result(
         sensitive_to=tuple(Sensitivity[name] for name in sensitive),
         eta=field["eta"].number() if field.has("eta") else None,
         tilt_margin=_number(field, "tilt_margin"),
+        tilt_about=field.get("tilt_about", "").text(),
         crushing_factor=_number(field, "crushing_factor"),
         stopped=field.get("stopped", "").text(),
     )

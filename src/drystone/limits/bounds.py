@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy import sparse
 
-from drystone.base.arrays import Bools, Floats, Ints
+from drystone.base.arrays import SAME, Bools, Floats, Ints
 from drystone.base.errors import InputError
 from drystone.base.progress import Stop, Stopped
 from drystone.checks import check_forces, mechanism_defects
@@ -162,7 +162,9 @@ def tilt_bound(
     return _confirmed(family, angle, solution, (0.0, upper), width, cone, stop)
 
 
-def tilt_margin(model: Model, *, most: int = 150, stop: Stop | None = None) -> float | None:
+def tilt_margin(
+    model: Model, *, most: int = 150, stop: Stop | None = None
+) -> tuple[float | None, str]:
     """The tilt [degrees] up to which forces balance the loads, least of those about x and y.
 
     One conic program for each of the four ways to tilt. Loads that are not all vertical, as those
@@ -179,33 +181,36 @@ def tilt_margin(model: Model, *, most: int = 150, stop: Stop | None = None) -> f
 
     Returns
     -------
-    float or None
-        None where it is not asked: of more blocks, of joints that carry more than friction, and
+    float or None, and str
+        The tilt, and the name of the axis of the least, of equal ones the first. None where it is
+        not asked: of more blocks, of joints that carry more than friction, and
         where no weight acts; and where forces balance them up to 90 degrees, as wedged blocks
         press on each other however they are turned.
     """
     if len(model) > most or model.contacts.capacity is not None or model.contacts.count == 0:
-        return None
-    least, statics, load = 90.0, _statics(model), model.load
+        return None, ""
+    least, about, statics, load = 90.0, "", _statics(model), model.load
     largest = LoadFactors(statics, FrictionCone.exact())
     if not is_vertical(load):
         down = -float(common_acceleration(model.assembly, load)[2])
         if down <= 0.0:
-            return None
+            return None, ""
         load = LoadCase.gravity(model.assembly, down) + load.weight_of_masses
-    for axis in LEVEL_AXES:
+    for name, axis in LEVEL_AXES.items():
         way = Tilt(model.with_load(load), np.array(axis)).turned(90.0)
-        factor = largest(scaled_wrench(statics, way), stop).factor
-        least = min(least, float(np.rad2deg(np.arctan(factor))))
-    return least if 0.0 < least < 90.0 else None
+        angle = math.degrees(math.atan(largest(scaled_wrench(statics, way), stop).factor))
+        if angle < (1.0 - SAME) * least:
+            least, about = angle, name
+    return (least, about) if 0.0 < least < 90.0 else (None, "")
 
 
 def with_margins(result: Result, stop: Stop | None = None) -> Result:
     """A result with the margins of what stands, where they are asked and not known yet."""
     if not result.stable or result.stopped or result.tilt_margin is not None:
         return result
-    margin, factor = tilt_margin(result.model, stop=stop), crushing_factor(result.model, stop=stop)
-    return replace(result, tilt_margin=margin, crushing_factor=factor)
+    margin, about = tilt_margin(result.model, stop=stop)
+    factor = crushing_factor(result.model, stop=stop)
+    return replace(result, tilt_margin=margin, tilt_about=about, crushing_factor=factor)
 
 
 def _statics(model: Model) -> Statics:

@@ -91,7 +91,7 @@ def limit_tilt(
     model = supported_model(given, **how)
     if axis is not None:
         return tilt_limit(Tilt(model, axis_vector(axis)), upper, means)
-    first, *others = (Tilt(model, np.array(one)) for one in LEVEL_AXES)
+    first, *others = (Tilt(model, np.array(one)) for one in LEVEL_AXES.values())
     limit = tilt_limit(first, upper, means)
     for family in others:
         last = limit.best.stands

@@ -111,10 +111,13 @@ class Result(Solution, Answer):
         if margin is None:
             return ""
         if is_vertical(self.load):
-            return f"forces balance a tilt about x or y of {rounded_down(margin):g} degrees"
+            least = f" (least about {self.tilt_about})" if self.tilt_about else ""
+            return f"forces balance a tilt about x or y of {rounded_down(margin):g} degrees{least}"
         push = rounded_down(math.tan(math.radians(margin)))
+        along = {"y": "x", "-y": "-x", "x": "-y", "-x": "y"}.get(self.tilt_about, "")
+        least = f" (least along {along})" if along else ""
         words = f"forces balance a push along x or y of {push:g} of the weight of blocks and what"
-        return f"{words} they carry, on top of the loads"
+        return f"{words} they carry, on top of the loads{least}"
 
     def _strength(self) -> list[Sentence]:
         """How much of its strength the most pressed joint uses, and the loads at which it crushes.
@@ -215,6 +218,7 @@ class Result(Solution, Answer):
                 for path in getattr(self.settlement, "paths", ())
             ],
             "tilt_margin": self.tilt_margin,
+            "tilt_about": self.tilt_about,
             "strength_use": float(self.strength_use.max(initial=0.0)) or None,
             "crushing_factor": self.crushing_factor,
             "stopped": self.stopped,

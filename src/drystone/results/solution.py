@@ -90,9 +90,10 @@ class Solution(OfModel, OneLine):
         Where the blocks go (:class:`drystone.settlement.Settlement`), where that decided. Where no
         stiffness that was tried holds a structure that stands after settling, its forces balance
         the loads on the moved blocks. It is not written to files.
-    tilt_margin : [degrees]
+    tilt_margin, tilt_about : [degrees]
         Up to which forces balance the loads, however it is tilted about x and y, where that was
-        asked. Necessary for standing, as a limit of tilt that is checked by rest may be less.
+        asked, and the name of the axis of the least tilt. Necessary for standing, as a limit of
+        tilt that is checked by rest may be less.
     crushing_factor
         Factor on all loads up to which forces within the strength of the joints balance them, where
         joints crush and that was asked.
@@ -117,6 +118,7 @@ class Solution(OfModel, OneLine):
     residuals: Residuals | None = None
     eta: float | None = None
     tilt_margin: float | None = None
+    tilt_about: str = ""
     crushing_factor: float | None = None
     stopped: str = ""
     settlement: Any = None

@@ -459,7 +459,7 @@ def _row(task: _Task, clock: Clock) -> list[Any]:
                 word, *map(_without_noise, values), " ".join(moves), answer.title, clock.elapsed_s
             )
         result = check(model, options=task.options, stop=clock.late)
-        margin = tilt_margin(model, stop=clock.late) if result.stable else None
+        margin = tilt_margin(model, stop=clock.late)[0] if result.stable else None
     except DrystoneError as error:
         return task.without("refused", str(error), clock.elapsed_s)
     moves = result.falling_names

@@ -75,6 +75,7 @@ def full_model() -> io.Contents:
         residuals=Residuals(1e-17, 0.0, 5e-324, 1.7e308, 0.1),
         eta=1.0 / 3.0,
         tilt_margin=20.0 / 3.0,
+        tilt_about="-y",
         options={"eta": 10.0},
         solver="newton 1",
         iterations=12,
