@@ -111,3 +111,11 @@ def test_a_tilt_that_is_undecided_names_all_that_decides() -> None:
     found = limits.limit_tilt(wedge("b"), (1.0, 0.0, 0.0), friction=0.84, options=load)
     told = " ".join(found.remarks)
     assert "which block carries the ends of the joints (--ends)" in told
+
+
+@pytest.mark.parametrize(("strength", "falls"), [("100kPa", True), ("161kPa", False)])
+def test_joints_that_crush_fall_whatever_the_ends_are(strength: str, falls: bool) -> None:
+    """Of the loads 0.00633 are carried for each kPa."""
+    found = drystone.check(MODEL, strength=strength)
+    assert found.falls is falls
+    assert found.message.startswith("it crushes" if falls else "the ends of the joints decide")

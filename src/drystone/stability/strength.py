@@ -110,10 +110,10 @@ def crushing_words(model: Model, found: Carried) -> str:
 def within_strength(problem: Problem, decide: Callable[[Model], Result], clock: Clock) -> Result:
     """The verdict of a model whose joints crush.
 
-    Without the limits of strength it must stand. With the forces found there within them, it
-    stands. Otherwise other forces are asked for, as crushing lets them move (it is ductile): none
-    prove that it falls. Where some exist it stands if no contact stiffness throws it over, and is
-    undecided where friction or settling decided.
+    Without the limits of strength it must not fall. If it stands with the forces found there within
+    them, it stands. Otherwise other forces are asked for, as crushing lets them move (it is
+    ductile): none prove that it falls. Where some exist it stands if no contact stiffness throws it
+    over, and is undecided where friction or settling decided.
 
     Parameters
     ----------
@@ -124,10 +124,10 @@ def within_strength(problem: Problem, decide: Callable[[Model], Result], clock: 
     """
     model = problem.model
     found = decide(model.without_crushing())
-    if not found.stable:
-        return replace(found, model=model.with_contacts(model.contacts.carried_to(found.contacts)))
     crushes = found.model.with_contacts(model.contacts.carried_to(found.contacts))
     found = replace(found, model=crushes)
+    if found.falls:
+        return found
     if found.force is not None:
         residuals = check_forces(crushes, found.force, found.displacement)
         if residuals.crushing <= FORCE_TOLERANCE:
@@ -141,10 +141,11 @@ def within_strength(problem: Problem, decide: Callable[[Model], Result], clock: 
             mechanism=most.mechanism,
             falling=moving_blocks(model.assembly, most.mechanism),
         )
+    if not found.stable:
+        return found
     if most.force is None or most.residuals.largest > FORCE_TOLERANCE:
-        words = "no forces within the strength of its joints were found"
-        words += f"; {clock.reason}" if clock.late() else ""
-        return replace(undone(found, words), stopped=clock.reason)
+        words = ["no forces within the strength of its joints were found", clock.reason]
+        return replace(undone(found, "; ".join(filter(None, words))), stopped=clock.reason)
     if not found.sensitive:
         kept = replace(
             found, model=model, force=most.force, displacement=None, residuals=most.residuals
