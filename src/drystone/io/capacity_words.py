@@ -50,7 +50,8 @@ def with_strength(model: Model, text: str) -> Model:
     """
     where = "strength"
     try:
-        pressure = units.measured(text, units.PRESSURES, what=where)
+        plain = None if text.strip("0. ") else 0.0  # zero is refused in any unit
+        pressure = units.measured(text, units.PRESSURES, plain, where)
     except InputError as error:
         raise error.located(where) from error
     if not 0.0 < pressure < np.inf:

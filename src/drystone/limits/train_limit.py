@@ -240,15 +240,18 @@ class TrainEnvelope(Answer):
             said.append(Sentence(f"'{self.train.name}' is {self.train.source}", Role.REMARK))
         if not len(self.places):
             return [*said, Sentence(f"not finished: {self.stopped}", Role.REMARK)]
-        known = counted(len(self.places), "place")
+        known, more = counted(len(self.places), "place"), len(self.places) - self.asked_for
+        between = f" ({more} of them halfway to the worst one)" if more > 0 else ""
         checked = "forces there and a mechanism beyond are checked" if self.proven else "not proved"
         if self.falls_alone:
             alone = f"no forces balance the bridge alone, as found at {known}; 'check' tells why"
             return [*said, Sentence(alone)]
         said.append(self._of_width)
         least = float(self.factors[self.worst])
-        more = "any factor" if np.isinf(least) else f"{rounded_down(least):g} and more"
-        said.append(Sentence(f"by equilibrium{self._ductile} at {known}: {more}; {checked}"))
+        factor = "any factor" if np.isinf(least) else f"{rounded_down(least):g} and more"
+        said.append(
+            Sentence(f"by equilibrium{self._ductile} at {known}{between}: {factor}; {checked}")
+        )
         if self.train.line:
             said.append(self._of_line)
         if self._ductile:
@@ -271,7 +274,8 @@ class TrainEnvelope(Answer):
             said.append(Sentence(why))
             said += self.limit.sentences()[self.limit.stands is not None :]
         if self.stopped:
-            missing = f"{len(self.places)} of {counted(self.asked_for, 'place')}"
+            every = max(self.asked_for, len(self.places))
+            missing = f"{len(self.places)} of {counted(every, 'place')}"
             said.append(Sentence(f"not finished: {self.stopped} after {missing}", Role.REMARK))
         return said
 
@@ -448,7 +452,7 @@ def limit_train(
     model = supported_model(given, **how)
     carried = Train.named("axle") if train is None else train
     known = model.load.fills
-    lost = not known and any(one.kind == "fill" for one in model.load.masses)
+    lost = not known and any(one.kind.endswith("fill") for one in model.load.masses)
     if lost or len(known) + (fill is not None) > 1:
         why = "the load has fill already, twice or times a negative factor"
         raise InputError(why, where="load", remedy="give one fill, with --load or --fill")
@@ -475,7 +479,7 @@ def limit_train(
         np.array([one.at.place for one in found]),
         np.array([one.found.factor for one in found]),
         None,
-        max(steps, len(found)),
+        steps,
         clock.reason,
         crossing,
         tuple(found),

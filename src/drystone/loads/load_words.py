@@ -71,6 +71,9 @@ def load_of_words(
     kind, _, words = text.partition(":")
     if kind in _GROUND and kind not in assembly.names:
         try:
+            if gravity is not None and any(gravity[:2]):
+                remedy = "leave out --gravity X,Y,Z; 'limit tilt' turns blocks and their fill"
+                raise InputError("weighs along -z, and gravity is turned", remedy=remedy)
             return _GROUND[kind].named(words).on(assembly)
         except InputError as error:
             raise error.located(f"{where} {kind}") from error

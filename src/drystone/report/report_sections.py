@@ -65,7 +65,7 @@ def document_of(answers: Sequence[Answer], about: TitleBlock) -> Document:
     model = first.model.model if isinstance(first.model, StagedModel) else first.model
     asked = first.asked
     version = " ".join(one for one in ("drystone", asked.version, asked.commit) if one)
-    forces = _governing(answers)
+    governing = _governing(answers)
     sections = [
         Section("Summary", (*_summary(answers, model), _signatures(about))),
         Section("What was asked", (_asked(answers),)),
@@ -75,18 +75,22 @@ def document_of(answers: Sequence[Answer], about: TitleBlock) -> Document:
         Section("Signs, method and assumptions", (sketches.signs_picture(), *_METHOD)),
         *(Section(one.title, tuple(_answer(one))) for one in answers),
     ]
-    if forces is not None:
-        sections.append(Section("Joints and hand checks", tuple(_checks(forces, model))))
+    if governing is not None:
+        sections.append(Section("Joints and hand checks", tuple(_checks(*governing, model))))
     name = about.project or asked.file or "a model"
     entries = {**about.entries(first.when[:10]), "Calculated with": version}
     return Document(f"Stability of {name}", entries, version, _numbered(sections))
 
 
-def _governing(answers: Sequence[Answer]) -> Result | None:
-    """The state whose joints are told: the worst that has other loads than the first, or that."""
-    known = [one for one in map(_forces, worst_first(answers)) if one is not None]
+def _governing(answers: Sequence[Answer]) -> tuple[Result, str] | None:
+    """The state whose joints are told: the worst that has other loads than the first, or that.
+
+    With the title of its answer.
+    """
+    found = ((_forces(one), one.title) for one in worst_first(answers))
+    known = [(state, title) for state, title in found if state is not None]
     first = _forces(answers[0])
-    others = [one for one in known if first is None or one.load.name != first.load.name]
+    others = [one for one in known if first is None or one[0].load.name != first.load.name]
     return next(iter([*others, *known]), None)
 
 
@@ -330,9 +334,9 @@ def worst_told(result: Result, count: int) -> Iterator[Part]:
     yield tuple(joint_plan(result, table, i) for i in worst)
 
 
-def _checks(result: Result, model: Model) -> Iterator[Part]:
+def _checks(result: Result, title: str, model: Model) -> Iterator[Part]:
     table = result.joints()
-    yield f"In the state under {result.load.name}."
+    yield f"In the state of '{title}', under {result.load.name}."
     if not np.array_equal(result.load.wrench, model.load.wrench):
         yield from _applied(result.model)
     yield from worst_told(result, _PLANS)

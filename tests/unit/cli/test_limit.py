@@ -249,6 +249,11 @@ def test_check_writes_the_forces_of_corners(model: str, tmp_path: Path, capsys: 
         (["check", "MODEL", "--joints", "joints.xls"], "does not end in"),
         (["check", "MODEL", "--strength", "-1MPa"], "--strength: is -1MPa; give more than zero"),
         (["check", "MODEL", "--strength", "0Pa"], "--strength: is 0Pa"),
+        (["check", "MODEL", "--strength", "0"], "is 0; give more than zero, such as 5MPa"),
+        (
+            ["check", "MODEL", "--gravity", "1,0,-9.7", "--load", "fill:cover=1m,weight=20kN/m3"],
+            "load fill: weighs along -z, and gravity is turned; leave out --gravity X,Y,Z",
+        ),
         (["check", "MODEL", "--strength", "5"], "strength '5' is not a number with a unit"),
         (["limit", "tilt", "MODEL", "--strength", "5kN"], "--strength: "),
         (["limit", "train", "MODEL", "--train", "lm71"], "--train: 'lm71' is 4.8 m long, the"),

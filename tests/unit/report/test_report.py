@@ -262,7 +262,8 @@ def test_the_falling_side_of_a_limit_has_its_mechanism_with_the_work_of_the_load
     page = html_of(document_of(answers, TitleBlock()))
     assert "unstable, no contact forces can balance the loads; mechanism of 1 block" in page
     assert limit.best.standing is not None
-    assert f"In the state under {limit.best.standing.load.name}." in html.unescape(page)
+    told = f"In the state of '{limit.title}', under {limit.best.standing.load.name}."
+    assert told in html.unescape(page)
 
 
 @pytest.mark.parametrize(
@@ -389,6 +390,7 @@ def test_a_report_of_a_train_draws_the_worst_place_and_lists_axles_fill_and_both
     page = html_of(made)
     for expected in (
         "multiplies all axles, 600 kN in all", "a load spreads 0.5 by depth", "passive none",
+        f"at {len(found.places)} places ({len(found.places) - 3} of them halfway to the worst one)",
         "axles at the worst place", "infinitely strong", "reactions", "thrust at the crown",
         *[f"{one.label[1:]}" for one in found.limit.layers().stages],
             ):  # fmt: skip
