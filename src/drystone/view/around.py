@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from drystone.answer.question import asked_line
-from drystone.answer.scene import Layer, LayerKind, MarkerShape, Scene, SceneStage, State
+from drystone.answer.scene import Layer, LayerKind, MarkerShape, State
 from drystone.base.units import quantity
 from drystone.results import Verdict
 from drystone.view.ink import ADDED_OPACITY
@@ -76,41 +76,45 @@ def draw_gravity(figure: Figure, sheet: Sheet) -> None:
     )
 
 
-def write_title(
-    figure: Figure, scene: Scene, stage: SceneStage, size: tuple[float, float], theme: str
-) -> None:
-    """The headline, what was asked, and the message, above the drawing."""
-    known = _VERDICT_COLOUR[theme]
-    ink = ROLE_COLOUR[theme]["edge"]
+def write_title(figure: Figure, sheet: Sheet) -> None:
+    """The headline, what was asked, and the message, whole; the drawing below leaves room."""
+    scene, stage, known = sheet.scene, sheet.stage, _VERDICT_COLOUR[sheet.theme]
+    ink = ROLE_COLOUR[sheet.theme]["edge"]
     colour = known.get(stage.verdict, known[None]) if stage.verdict else ink
-    characters = max(20, int(size[0] * 11.0))  # up to the colour bar
+    width, height = figure.get_size_inches()
+    letters = 15.0 if figure.axes == [sheet.axes] else 11.0  # of an inch, up to the colour bar
+    characters = max(20, int(width * letters))
     top = 0.975
     if stage.headline:
         room = 0.55 * characters  # of bold letters of 13 points; a verdict may stand at the end
         points = 13.0 * min(1.0, max(0.55, room / len(stage.headline)))
-        told = textwrap.shorten(stage.headline, int(room * 13.0 / points), placeholder=" ...")
+        told = textwrap.wrap(stage.headline, int(room * 13.0 / points))
         figure.text(
-            0.02, top, told, fontsize=points, fontweight="bold", color=colour, va="top",
+            0.02, top, "\n".join(told), fontsize=points, fontweight="bold", color=colour, va="top",
             parse_math=False,
         )  # fmt: skip
-        top -= 0.32 / size[1]
+        top -= (0.32 + 0.018 * points * (len(told) - 1)) / height
     facts = {**scene.facts, **stage.facts}
     asked = asked_line(facts, scene.made) if facts else ""
     new = "" if stage.message.casefold() == stage.headline.casefold() else stage.message
-    message = textwrap.wrap(new, characters, max_lines=2, placeholder=" ...")
-    lines = _wrapped(asked, characters)
-    if len(lines) > 4 - len(message):  # the date and the version are never cut
-        room = max(characters, (4 - len(message)) * (characters - 12) - len(scene.made))
-        told = textwrap.shorten(asked_line(facts), room, placeholder=" ...")
-        lines = _wrapped(f"{told} \N{MIDDLE DOT} {scene.made}", characters)
-    lines += message
-    figure.text(0.02, top, "\n".join(lines), fontsize=8, color=ink, va="top", parse_math=False)
+    # no dot at the beginning of a line
+    asked = asked.replace(" \N{MIDDLE DOT}", "\N{NO-BREAK SPACE}\N{MIDDLE DOT}")
+    lines = textwrap.wrap(asked, characters, break_on_hyphens=False)
+    lines += textwrap.wrap(new, characters)
+    text = figure.text(
+        0.02, top, "\n".join(lines), fontsize=8, color=ink, va="top", parse_math=False
+    )
+    if lines:
+        _, low, _, high = sheet.axes.get_position().extents
+        foot = text.get_window_extent().y0 / figure.bbox.height - 0.1 / height
+        _place(sheet, low, min(high, foot))
 
 
-def _wrapped(text: str, characters: int) -> list[str]:
-    """Lines, and no dot at the beginning of one."""
-    text = text.replace(" \N{MIDDLE DOT}", "\N{NO-BREAK SPACE}\N{MIDDLE DOT}")
-    return textwrap.wrap(text, characters, break_on_hyphens=False)
+def _place(sheet: Sheet, low: float, high: float) -> None:
+    """The drawing between two heights of the figure, of which it keeps a quarter at least."""
+    left, _, right, _ = sheet.axes.get_position().extents
+    low = min(low, 0.75)
+    sheet.axes.set_position((left, low, right - left, max(high - low, 0.25)))
 
 
 def write_legend(figure: Figure, sheet: Sheet, layers: list[Layer]) -> None:
@@ -169,9 +173,8 @@ def write_legend(figure: Figure, sheet: Sheet, layers: list[Layer]) -> None:
         if columns == 1 or box.x1 < gravity:
             break
         legend.remove()
-    left, bottom, right, top = sheet.axes.get_position().extents
-    low = max(bottom, box.y1 / figure.bbox.height) + _strip(figure)
-    sheet.axes.set_position((left, low, right - left, top - low))
+    _, bottom, _, top = sheet.axes.get_position().extents
+    _place(sheet, max(bottom, box.y1 / figure.bbox.height) + _strip(figure), top)
 
 
 def _amount(value: float, unit: str) -> str:

@@ -220,10 +220,10 @@ def draw(
         axes.set_title(shown.headline, fontsize=9, color=sheet.colours["edge"], parse_math=False)
         return axes.figure
     draw_gravity(figure, sheet)
-    write_title(figure, scene, shown, size, theme)
+    draw_bar(figure, sheet, chosen)
+    write_title(figure, sheet)
     write_legend(figure, sheet, chosen)
     draw_scale_bar(sheet, figure)
-    draw_bar(figure, sheet, chosen)
     return figure
 
 
