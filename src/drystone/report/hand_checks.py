@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -159,21 +160,48 @@ def least_strength(result: Result) -> tuple[float, int]:
 def mechanism_table(result: Result) -> Table | None:
     """How what falls begins to move, and the work of the loads, a row for each block.
 
-    ``None`` where no motion is known. The fastest corner moves by the size of a block.
+    ``None`` where no motion is known. The fastest corner moves by the size of a block. Works have
+    the digits in which their sum shows what joints do not take up.
     """
     motion, assembly = result.mechanism, result.assembly
     if motion is None:
         return None
     moving = list(moving_blocks(assembly, motion))
     seen = np.where(np.abs(motion) > FALLING_SHARE * np.abs(motion).max(), motion, 0.0)[moving]
+    works = (result.load.wrench * motion)[moving].sum(axis=1)
+    done = float(works.sum())
+    proof = _proof(result, done)
+    rest = done if proof is None else done - proof[2]
     columns = {
         "block": [assembly.names[i] for i in moving],
         "moves": seen[:, :3],
         "turns": np.degrees(seen[:, 3:]),
-        "work_of_loads": (result.load.wrench * motion).sum(axis=1)[moving],
+        "work_of_loads": _in_digits(works.tolist(), rest),
     }
     title = "motion of what falls, of centroids and about them; its size has no meaning"
     return Table(title, columns, {"moves": "m", "turns": "deg", "work_of_loads": "N m"})
+
+
+def _in_digits(works: Sequence[float], rest: float) -> list[str]:
+    """Works [N m] to three digits of the largest, and a tenth of what is left of their sum."""
+    largest = max(map(abs, works), default=0.0) or 1.0
+    least = min(1e-2 * largest, max(0.1 * rest / len(works), 1e-12 * largest))
+    places = max(-math.floor(math.log10(least)), 0)
+    return [f"{one + 0.0:.{places}f}" for one in works]
+
+
+def _proof(result: Result, done: float) -> tuple[str, float, float] | None:
+    """The joints that do not balance the work done [N m], their closing, and what they take up."""
+    motion, model = result.mechanism, result.model
+    if motion is None:
+        return None
+    parts = float(np.abs(model.load.wrench * motion)[~result.assembly.fixed].sum())
+    without = {"joints without mortar": model.with_capacity(None)} if model.contacts.brittle else {}
+    for joints, one in {"all joints": model, **without}.items():
+        closing, work = mechanism_defects(one, motion)
+        if closing <= MECHANISM_TOLERANCE and work > 0.0:
+            return joints, closing, max(done - work * parts, 0.0) / (1.0 + work)
+    return None
 
 
 def fall_words(result: Result) -> str:
@@ -184,23 +212,21 @@ def fall_words(result: Result) -> str:
     moving = list(moving_blocks(result.assembly, motion))
     works = (result.load.wrench * motion)[moving].sum(axis=1)
     done, gross = float(works.sum()), float(np.abs(works).sum())
-    count, model = counted(len(moving), "block"), result.model
-    without = {"joints without mortar": model.with_capacity(None)} if model.contacts.brittle else {}
-    for joints, one in {"all joints": model, **without}.items():
-        closing, work = mechanism_defects(one, motion)
-        if closing <= MECHANISM_TOLERANCE and work > 0.0:
-            parts = float(np.abs(model.load.wrench * motion)[~result.assembly.fixed].sum())
-            taken = max(done - work * parts, 0.0) / (1.0 + work)
-            taken = taken if taken > 1e-9 * gross else 0.0
-            return (
-                f"{result.message}; mechanism of {count}: the loads do work of "
-                f"{quantity(done, 'N m')}, {joints} take up at most {quantity(taken, 'N m')}; the "
-                f"rest is {100.0 * (done - taken) / gross:.3g} % of the sum of the absolute works "
-                "of blocks, whose rounding is below 1e-9 of it; "
-                f"largest closing of a joint {closing:.1e} of the speed"
-            )
-    told = quantity(done, "N m")
-    return f"{result.message}; {count} move as listed, and the loads do work of {told} on the way"
+    count, proof = counted(len(moving), "block"), _proof(result, done)
+    if proof is None:
+        told = quantity(done, "N m")
+        words = f"{result.message}; {count} move as listed"
+        return f"{words}, and the loads do work of {told} on the way"
+    joints, closing, taken = proof
+    taken = taken if taken > 1e-9 * gross else 0.0
+    first, second = _in_digits([done, taken], done - taken)
+    return (
+        f"{result.message}; mechanism of {count}: the loads do work of {first} N m, "
+        f"{joints} take up at most {second} N m; the "
+        f"rest is {100.0 * (done - taken) / gross:.3g} % of the sum of the absolute works "
+        "of blocks, whose rounding is below 1e-9 of it; "
+        f"largest closing of a joint {closing:.1e} of the speed"
+    )
 
 
 @dataclass(frozen=True)
