@@ -146,7 +146,7 @@ def values(folder: Path) -> Iterator[object]:
         limits.Shrunk(stack),
         limits.Weakened(stack),
     )
-    yield limits.Parametric(tower, lambda given: Model.of(given).contacts)
+    yield limits.Parametric(tower, Model.of)
     yield limits.Quantity("thickness", "m")
     order = drystone.plan(stack)
     yield from (order, sequence.Prop(1, 0, 2, np.ones(6)), sequence.Stage(2**300 - 1, 1))

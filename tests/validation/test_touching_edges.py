@@ -336,6 +336,17 @@ def test_limits_and_plans_count_the_edges_that_touch() -> None:
     assert found.counts["free"] == 1
 
 
+def test_a_parametric_limit_counts_the_edges_that_touch() -> None:
+    """It stands by its upper edge until its feet slip."""
+    found = limits.limit_thickness(leaning, 75.0, 35.0, friction=0.3, parameter="lean")
+    assert found.rest is not None
+    assert found.rest.stands is not None
+    assert found.rest.falls is not None
+    middle = 0.5 * (found.rest.stands + found.rest.falls)
+    assert check(leaning(middle + 0.5), friction=0.3).stable
+    assert not check(leaning(middle - 0.5), friction=0.3).stable
+
+
 def test_edges_of_four_blocks_that_meet_in_a_line_hold_nothing() -> None:
     """A dome without bond under a sideways load: its joints decide."""
     shell = models.dome(slices=8, rings=4)

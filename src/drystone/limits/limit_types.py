@@ -24,7 +24,6 @@ from drystone.base.progress import Stop
 from drystone.base.settings import Options
 from drystone.base.units import NUMBER
 from drystone.contacts import Contacts
-from drystone.detection import find_contacts
 from drystone.formulations.corner_forces import FrictionCone
 from drystone.geometry.frames import axis_words, rotation_about, unit
 from drystone.io.capacity_words import with_strength
@@ -454,27 +453,31 @@ class Parametric(OneLine):
     ----------
     build
         Function from a value to an assembly.
-    find
-        Function that finds the contacts.
+    model
+        Function from an assembly to its model, such as :meth:`drystone.Model.of`.
     quantity
     ends
     """
 
     build: Callable[[float], Assembly]
-    find: Callable[[Assembly], Contacts]
+    model: Callable[[Assembly], Model]
     quantity: Quantity = Quantity("thickness")
     ends: FlushEnds | None = None
 
     def __call__(self, value: float) -> Model:
         """The model at a value of the parameter."""
-        assembly = self.build(value)
-        return Model(assembly, self.find(assembly), ends=self.ends)
+        return replace(self.model(self.build(value)), ends=self.ends)
 
 
-def found(friction: float, strength: str | None, assembly: Assembly) -> Contacts:
-    """The contacts of an assembly, all with one friction coefficient, and one strength."""
-    model = Model(assembly, find_contacts(assembly, friction=friction).contacts)
-    return (model if strength is None else with_strength(model, strength)).contacts
+_Find: TypeAlias = Callable[[Assembly], Contacts] | None
+
+
+def modelled(friction: float, strength: str | None, find: _Find, assembly: Assembly) -> Model:
+    """The model of an assembly, with the contacts that are found or that a search finds."""
+    if find is not None:
+        return Model(assembly, find(assembly))
+    model = Model.of(assembly, friction=friction, anyway=True)
+    return model if strength is None else with_strength(model, strength)
 
 
 Check: TypeAlias = Callable[[Model], Result]

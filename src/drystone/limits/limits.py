@@ -36,7 +36,7 @@ from drystone.limits.limit_types import (
     Shrunk,
     Tilt,
     Weakened,
-    found,
+    modelled,
 )
 from drystone.loads import LoadCase
 from drystone.model import FlushEnds
@@ -302,8 +302,9 @@ def limit_thickness(
     first, last = number(thick, "thick"), number(thin, "thin")
     if first == last:
         raise InputError("the range has no length", remedy="give two different values")
-    finder = find if find is not None else partial(found, friction, strength)
-    family = Parametric(build, finder, Quantity(parameter, unit), ends)
+    family = Parametric(
+        build, partial(modelled, friction, strength, find), Quantity(parameter, unit), ends
+    )
     width = 1e-5 * abs(first - last)
     means = Means(check, LimitOptions.of(options), Clock.of(work))
     return bisected(family, first, last, width, means)
