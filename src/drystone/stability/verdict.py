@@ -384,7 +384,7 @@ def _taken_to_stand(
         held, moves = (between, moves) if rests(between) else (held, between)
     rougher = (x for x in (1.02, 1.05, 1.1, 1.2) if left > 0 and all(rests(one, x) for one in ways))
     least = next(rougher, None)
-    more = "; no friction was found for both ways"
+    more = "; up to 1.2 times the friction was not found to hold it both ways"
     if least is not None:
         more = f", and both ways with {least:g} times the friction"
     return "" if late() else f"; it would stand at {held:g} and not at {moves:g}{more}"
