@@ -168,7 +168,8 @@ def plan(
     ] = (),
     turns: Annotated[
         bool, Option("Each robot or hand holds its block until the next one is in place, and "
-                     "nothing is propped; in the order of the file, or --order NAMES.", expert=True)
+                     "nothing is propped. Tries one order: that of the file, or --order NAMES.",
+                     expert=True)
     ] = False,
     best: Annotated[
         bool, Option("Search until no order with less help is left.", expert=True)
