@@ -162,6 +162,11 @@ def tilt_bound(
     return _confirmed(family, angle, solution, (0.0, upper), width, cone, stop)
 
 
+def tilt_factor(family: Tilt, cone: FrictionCone, stop: Stop | None) -> float:
+    """Tangent of the tilt below 90 degrees up to which forces balance the loads."""
+    return _largest(family.model, family.turned(90.0), cone, stop).factor
+
+
 def tilt_margin(
     model: Model, *, most: int = 150, stop: Stop | None = None
 ) -> tuple[float | None, str]:

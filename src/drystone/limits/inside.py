@@ -8,12 +8,14 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
 
+import numpy as np
+
 from drystone.base.errors import InputError
 from drystone.base.progress import Clock, Stop, Stopped
 from drystone.base.workers import WorkerPool
 from drystone.limits.bounds import bisected_bound, rbe
 from drystone.limits.limit_answer import Limit
-from drystone.limits.limit_search import VerdictSearch, Width
+from drystone.limits.limit_search import VerdictSearch, Width, evaluate
 from drystone.limits.limit_types import (
     SEARCHED,
     STANDS,
@@ -43,7 +45,7 @@ _CLOSING = 2.0
 larger models. Between them blocks would be followed very near to the limit of equilibrium, where it
 takes longest: 50 s for a cross vault of 188 blocks."""
 
-_MANY = 50_000
+MANY = 50_000
 """Corners from which the start and a value near it are tried first. Measured: 7 s for a wall of
 119,000, of which nothing is known before the convex program ends, after 63 s; a wall of 19,000 is
 done in 5 s. To go on to the first value that does not stand took 27 s more."""
@@ -113,7 +115,7 @@ def searched(
     )  # fmt: skip
     found: Mapping[str, FoundBracket] = {}
     asks = means.check is None and not means.options.equilibrium_only
-    if asks and family(start).contacts.corner_count > _MANY:
+    if asks and family(start).contacts.corner_count > MANY:
         means.tell("what stands near the start", 0)
         with suppress(Stopped):
             first.evaluate([start, start + _FIRST * (end - start)])
@@ -161,6 +163,17 @@ def searched(
         stopped=means.clock.reason,
         options=means.options,
     )
+
+
+def stands_up_to(family: Family, end: float, means: Means) -> bool:
+    """Whether it stands from 0 to ``end``, as far as a scan tells."""
+    late, start = means.clock.late, None
+    for value in np.linspace(0.0, end, means.options.scan + 1).tolist():
+        found = evaluate(family, partial(one_stiffness, stop=late), (value, start))
+        if not found.stable:
+            return False
+        start = found.displacement
+    return evaluate(family, partial(verdict, stop=late), (end, start)).stable
 
 
 def _inside(

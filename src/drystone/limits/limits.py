@@ -23,8 +23,8 @@ from drystone.contacts import Contacts
 from drystone.geometry.frames import LEVEL_AXES, axis_vector
 from drystone.io.load_options import grown
 from drystone.io.opening import Given, LongHow, supported_model
-from drystone.limits.bounds import load_factor_bound, tilt_bound
-from drystone.limits.inside import Means, bisected, searched
+from drystone.limits.bounds import load_factor_bound, tilt_bound, tilt_factor
+from drystone.limits.inside import MANY, Means, bisected, searched, stands_up_to
 from drystone.limits.limit_answer import Limit
 from drystone.limits.limit_types import (
     Check,
@@ -91,12 +91,23 @@ def limit_tilt(
     model = supported_model(given, **how)
     if axis is not None:
         return tilt_limit(Tilt(model, axis_vector(axis)), upper, means)
-    first, *others = (Tilt(model, np.array(one)) for one in LEVEL_AXES.values())
+    families = [Tilt(model, np.array(one)) for one in LEVEL_AXES.values()]
+    asks = check is None and not means.options.equilibrium_only
+    if asks and model.contacts.corner_count <= MANY:
+        means.tell("limit of equilibrium", 0)
+        about_x, about_y = (
+            tilt_factor(one, means.options.cone, means.clock.late) for one in families[::2]
+        )
+        if about_y < (1.0 - _SHARE) * about_x:
+            families = families[2:] + families[:2]
+    first, *others = families
     limit = tilt_limit(first, upper, means)
     for family in others:
         last = limit.best.stands
         if not last or limit.stopped:
             break
+        if asks and stands_up_to(family, last, means):
+            continue
         found = tilt_limit(family, last, means)
         if found.stopped:
             limit = replace(limit, stopped=found.stopped)
