@@ -15,7 +15,7 @@ import numpy as np
 
 from drystone.base import units as quantities
 from drystone.base.arrays import SAME, Ints, frozen, whole
-from drystone.base.display import BOUND, OneLine, name_text, rounded_down, rounded_up
+from drystone.base.display import BOUND, NAME, OneLine, name_text, rounded_down, rounded_up
 from drystone.base.errors import InputError, counted, require
 from drystone.base.files import PathLike, write_text
 
@@ -205,7 +205,8 @@ class Table(OneLine):
         heads, rows = self.cells()
         head = "".join(f"<th>{html.escape(name)}</th>" for name in heads)
         body = "".join(
-            f"<tr>{''.join(f'<td>{name_text(cell)}</td>' for cell in row)}</tr>" for row in rows
+            f"<tr>{''.join(f'<td>{name_text(cell, 4 * NAME)}</td>' for cell in row)}</tr>"
+            for row in rows
         )
         return (
             f"<table><caption>{html.escape(self.title)}</caption>"

@@ -164,7 +164,7 @@ class _Paper:
         from reportlab.platypus import CondPageBreak, Spacer
 
         heads, rows = table.cells()
-        cells = [[shortened(cell, NAME) for cell in row] for row in rows]
+        cells = [[shortened(cell, 4 * NAME) for cell in row] for row in rows]
         natural = np.array([
             max(
                 stringWidth(heads[i], "DejaVuBold", 7),

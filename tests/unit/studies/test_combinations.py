@@ -270,6 +270,7 @@ load = ["voussoir-05:20kN", "voussoir-06:3kN,0,0"]
     write_report(found, page)
     sheet = page.read_text(encoding="utf-8")
     assert all(one in sheet for one in ("cases.toml", found.sha256, "loads of cases"))
+    assert "passive none (a load spreads 0.5 by depth, evenly)" in sheet
 
 
 @pytest.mark.parametrize(("live", "stands"), [("127kN", True), ("129.1kN", False)])
