@@ -34,6 +34,18 @@ _OF_INTERFACES = (
 )  # fmt: skip
 """Attributes with a row per interface, beside the blocks."""
 
+_BETWEEN = {
+    "missed": ("gap", "angle", "area", "joined"),
+    "inexact": ("error", "off"),
+    "resampled": ("facets", "pieces", "points", "turn", "moved"),
+    "shortfalls": ("area", "share", "gap", "angle"),
+    "overlaps": ("depth", "volume", "share"),
+}
+"""What is found between two blocks, and what JSON has of each."""
+
+_PAIRS = ("undirected", "near_undirected", "duplicates")
+"""Pairs of blocks of which nothing else is known."""
+
 Pair = TypeVar("Pair", Resampled, Missed, Inexact, Shortfall, Overlap)
 """What is found between two blocks."""
 
@@ -183,24 +195,18 @@ class ContactReport(Card):
             return tuple(pair for pair in numbers if min(pair) >= 0)
 
         alone = np.setdiff1d(np.arange(len(blocks)), np.concatenate([block_a, block_b]))
+        own: dict[str, Any] = {name: getattr(self, name)[among] for name in _OF_INTERFACES}
+        own |= {name: between(getattr(self, name)) for name in ("farther", *_BETWEEN)}
+        own |= {name: both(getattr(self, name)) for name in _PAIRS}
         return replace(
             self,
             names=tuple(self.names[b] for b in blocks),
             block_a=block_a,
             block_b=block_b,
-            **{name: getattr(self, name)[among] for name in _OF_INTERFACES},
-            resampled=between(self.resampled),
-            missed=between(self.missed),
-            farther=between(self.farther),
-            inexact=between(self.inexact),
-            shortfalls=between(self.shortfalls),
-            undirected=both(self.undirected),
-            near_undirected=both(self.near_undirected),
             isolated=tuple(alone.tolist()),
-            overlaps=between(self.overlaps),
-            duplicates=both(self.duplicates),
             parts=tuple((int(new[b]), count) for b, count in self.parts if new[b] >= 0),
             repairs=tuple((int(new[b]), what) for b, what in self.repairs if new[b] >= 0),
+            **own,
         )
 
     def suggestions(self) -> tuple[str, ...]:
@@ -338,66 +344,38 @@ class ContactReport(Card):
         """Everything as plain lists, numbers and strings, for JSON."""
         name = self.names
 
-        def rows(pairs: Sequence[Any], *values: str) -> list[dict[str, Any]]:
+        def rows(pairs: Sequence[Any], values: Sequence[str]) -> list[dict[str, Any]]:
             return [
                 {"blocks": [name[one.block_a], name[one.block_b]]}
                 | {key: getattr(one, key) for key in values}
                 for one in pairs
             ]
 
-        return {
-            "options": {
-                key: getattr(self.options, key)
-                for key in ("gap", "angle", "warp", "sliver", "curve", "search")
-            }
+        keys = ("gap", "angle", "warp", "sliver", "curve", "search")
+        told: dict[str, Any] = {
+            "options": {key: getattr(self.options, key) for key in keys}
             | {"edges": str(self.options.edges)},
             "pairs": self.pair_count,
             "interfaces": [
                 {
-                    "blocks": [name[a], name[b]],
-                    "faces": [_face(self.face_a[i]), _face(self.face_b[i])],
-                    "kind": _KINDS[int(self.kind[i])],
-                    "area": float(self.area[i]),
-                    "gap": float(self.gap[i]),
-                    "warp": float(self.warp[i]),
-                    "angle": float(self.angle[i]),
-                    "clipped": bool(self.clipped[i]),
-                    "merged": int(self.merged[i]),
+                    "blocks": [row.pop("block_a"), row.pop("block_b")],
+                    "faces": [row.pop("face_a"), row.pop("face_b")],
+                    **row,
                 }
-                for i, (a, b) in enumerate(
-                    zip(self.block_a.tolist(), self.block_b.tolist(), strict=True)
-                )
+                for row in self.table()
             ],
-            "missed": [
-                {
-                    "blocks": [name[m.block_a], name[m.block_b]],
-                    "faces": [_face(m.face_a), _face(m.face_b)],
-                    "reason": str(m.reason),
-                    "gap": m.gap,
-                    "angle": m.angle,
-                    "area": m.area,
-                    "needed": None if np.isnan(m.needed) else m.needed,
-                    "polygon": m.polygon.tolist(),
-                    "joined": m.joined,
-                }
-                for m in self.missed
-            ],
-            "inexact": rows(self.inexact, "error", "off"),
-            "resampled": rows(self.resampled, "facets", "pieces", "points", "turn", "moved"),
-            "shortfalls": rows(self.shortfalls, "area", "share", "gap", "angle"),
-            "undirected": [[name[a], name[b]] for a, b in self.undirected],
-            "near_undirected": [[name[a], name[b]] for a, b in self.near_undirected],
+        }
+        told |= {key: rows(getattr(self, key), values) for key, values in _BETWEEN.items()}
+        for row, miss in zip(told["missed"], self.missed, strict=True):
+            row |= {
+                "faces": [_face(miss.face_a), _face(miss.face_b)],
+                "reason": str(miss.reason),
+                "needed": None if np.isnan(miss.needed) else miss.needed,
+                "polygon": miss.polygon.tolist(),
+            }
+        told |= {key: [[name[a], name[b]] for a, b in getattr(self, key)] for key in _PAIRS}
+        return told | {
             "isolated": [name[i] for i in self.isolated],
-            "overlaps": [
-                {
-                    "blocks": [name[pair.block_a], name[pair.block_b]],
-                    "depth": pair.depth,
-                    "volume": pair.volume,
-                    "share": pair.share,
-                }
-                for pair in self.overlaps
-            ],
-            "duplicates": [[name[a], name[b]] for a, b in self.duplicates],
             "parts": [{"block": name[i], "count": count} for i, count in self.parts],
             "repairs": [{"block": name[i], "what": what} for i, what in self.repairs],
             "suggestions": list(self.suggestions()),
