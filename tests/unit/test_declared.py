@@ -48,7 +48,7 @@ class Dressing(Options):
 def test_text_unit_and_default_are_those_of_the_documentation() -> None:
     depth = declared(Dressing)["depth"]
     assert depth.told() == "Cut deeper (0.02 m)."
-    assert (depth.unit, depth.above) == ("m", 0.0)
+    assert (depth.unit, depth.ends) == ("m", {">": 0.0})
     assert declared(Dressing)["finish"].choices == ("rough", "at-once")
 
 

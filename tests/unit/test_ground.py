@@ -192,7 +192,7 @@ def test_pressures_on_the_same_faces_are_added_in_their_picture() -> None:
 @pytest.mark.parametrize(
     ("words", "told"),
     [
-        ("fill:cover=-0.1m,weight=20kN/m3", "the road would be 0.1 m below the crown"),
+        ("fill:cover=-0.1m,weight=20kN/m3", "cover is -0.1; give 0 or more"),
         ("fill:cover=0.1m,weight=20kN/m3,grade=90%", "m below the top of 'voussoir-"),
         ("fill:cover=0.1m,weight=20", "'20' has no unit"),
         ("fill:cover=0.1m", "fill has no weight"),

@@ -225,7 +225,7 @@ def test_what_a_newcomer_writes_is_answered_with_a_remedy(
     [
         (lambda: CheckOptions(samples=2.5), "samples is 2.5; give a whole number"),
         (lambda: CheckOptions(samples=True), "samples is True; give a whole number"),
-        (lambda: CheckOptions(samples=-1), "cannot be negative"),
+        (lambda: CheckOptions(samples=-1), "samples is -1; give 0 or more"),
         (lambda: CheckOptions(settle="yes"), "settle is 'yes'; give True or False"),
         (lambda: limits.LimitOptions(width="x"), "width is 'x'; give a number"),
         (lambda: RBEOptions(objective="cubic"), "give one of 'quadratic', 'linear'"),
@@ -361,7 +361,7 @@ def test_a_count_that_no_memory_holds_is_refused(bits: int) -> None:
         (lambda: drystone.JointCapacity.dry(2).select(5), "no such interfaces"),
         (lambda: drystone.JointCapacity.dry(2).scaled("2"), "the share is '2', not a number"),
         (lambda: check(MODEL).thrust_line(blocks=[]), "no blocks are given"),
-        (lambda: Imperfections(tolerance=1e308), "give zero to 1e+30"),
+        (lambda: Imperfections(tolerance=1e308), "give 0 or more, up to 1e+30"),
         (lambda: write_report(2**70, "x.html"), "answers"),
     ],
 )

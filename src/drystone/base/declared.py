@@ -15,28 +15,24 @@ import re
 import types
 import typing
 from collections import defaultdict
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any, Literal, get_args, get_origin
 
 from drystone.base import units
 from drystone.base.arrays import number, of_type, refuse_many, whole
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
-from drystone.base.hints import is_many, kinds_of
+from drystone.base.hints import beyond, documented, is_many, kinds_of, unmarked
 from drystone.base.progress import LongWork
 from drystone.base.settings import Options
 
-_SECTIONS = ("Attributes", "Parameters")
-_ROLE = re.compile(r":\w+:`~?([^`]*)`|`+([^`]*)`+")
-"""Markup of a name in a docstring."""
 _ONLY_PYTHON = re.compile(r" (In Python|See) .*|; see (?:[^;.]|\.(?=\w))*")
 """What a docstring says to those who write Python."""
-_KIND = re.compile(
-    r"(?:\[(?P<unit>[^]]*)\]|(?P<plain>coefficient))?"
-    r" ?(?:(?P<sign>>=?) ?(?P<bound>[-\d.e]+))?(?P<rest>(?<=\] ).*)?"
-)
-"""Of an entry, behind its name: unit, range, and the beginning of its text."""
+_BOUND = {
+    ">=": "minimum", ">": "exclusiveMinimum", "<=": "maximum", "<": "exclusiveMaximum",
+}  # fmt: skip
+"""Keywords of a JSON schema."""
 COEFFICIENT = "coefficient"
 """In place of a unit: of a friction coefficient, which may be written as an angle."""
 
@@ -56,8 +52,8 @@ class Declared(OneLine):
         Its type.
     default
         ``inspect.Parameter.empty`` where it must be given.
-    least, above
-        Its value is at least the first, and above the second.
+    ends
+        Its value is on that side of each of these numbers, such as ``{">=": 0.0}``.
     """
 
     name: str
@@ -65,8 +61,7 @@ class Declared(OneLine):
     default: Any
     text: str = ""
     unit: str = ""
-    least: float = -math.inf
-    above: float = -math.inf
+    ends: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def kinds(self) -> list[Any]:
@@ -117,8 +112,7 @@ class Declared(OneLine):
         if self.unit == COEFFICIENT:
             kinds.append({"type": "string"})
         kind = {"anyOf": kinds} if len(kinds) > 1 else kinds[0] if kinds else {}
-        ends = {"minimum": self.least, "exclusiveMinimum": self.above}
-        bounds = {name: one for name, one in ends.items() if math.isfinite(one)}
+        bounds = {_BOUND[sign]: end for sign, end in self.ends.items() if math.isfinite(end)}
         return {"description": self.told(), **kind, **bounds}
 
     def value(self, given: Any) -> Any:
@@ -135,11 +129,8 @@ class Declared(OneLine):
             raise error.located(error.where or self.name) from error
         if isinstance(value, int):
             refuse_many(value, self.name)
-        for least, fits in ((self.above, self.above.__lt__), (self.least, self.least.__le__)):
-            if isinstance(value, int | float) and math.isfinite(least) and not fits(value):
-                limit = "zero" if least == 0.0 else f"{least:g}"
-                more = f"above {limit}" if least is self.above else f"of {limit} or more"
-                raise InputError(f"is {given}", where=self.name, remedy=f"give a number {more}")
+        if isinstance(value, int | float) and (remedy := beyond(value, self.ends)):
+            raise InputError(f"is {given}", where=self.name, remedy=remedy)
         return value
 
 
@@ -178,7 +169,7 @@ class Offered(OneLine):
     def text(self) -> str:
         """What it answers, for whoever chooses one."""
         text = inspect.getdoc(self.analysis) or ""
-        return _ONLY_PYTHON.sub("", _unmarked(re.split(r"\n\w+\n---", text)[0].strip()))
+        return _ONLY_PYTHON.sub("", unmarked(re.split(r"\n\w+\n---", text)[0].strip()))
 
     @property
     def arguments(self) -> dict[str, Declared]:
@@ -200,7 +191,7 @@ def declared(of: Callable[..., Any]) -> Mapping[str, Declared]:
     >>> declared(LimitOptions)["scan"].default
     6
     """
-    told = dict(_documented(inspect.getdoc(of) or ""))
+    told = documented(of)
     known: dict[str, Any]
     plain = isinstance(of, type) and not dataclasses.is_dataclass(of)
     hints = typing.get_type_hints(vars(of)["__init__"] if plain else of)
@@ -378,36 +369,3 @@ def _default(field: dataclasses.Field[Any]) -> Any:
     if field.default_factory is not dataclasses.MISSING:
         return field.default_factory()
     return inspect.Parameter.empty
-
-
-def _documented(text: str) -> Iterator[tuple[str, dict[str, Any]]]:
-    """Name, and text, unit and range, of each entry with an attribute or a parameter."""
-    names: list[str] = []
-    more: dict[str, Any] = {}
-    told: list[str] = []
-    inside = False
-    lines = text.splitlines()
-    for line, below in zip(lines, [*lines[1:], ""], strict=True):
-        if below.startswith("---"):
-            inside = line in _SECTIONS
-        elif inside and line and not line.startswith((" ", "-")):
-            yield from ((name, {**more, "text": _plain(told)}) for name in names)
-            head, _, kind = line.partition(" : ")
-            names = [name.strip() for name in head.split(",")]
-            found = _KIND.match(kind)
-            more = {"unit": (found["unit"] or found["plain"] or "")} if found else {}
-            if found and found["bound"]:
-                more["least" if found["sign"] == ">=" else "above"] = float(found["bound"])
-            told = [found["rest"]] if found else []
-        elif inside:
-            told.append(line.strip())
-    yield from ((name, {**more, "text": _plain(told)}) for name in names)
-
-
-def _plain(lines: Sequence[str]) -> str:
-    """The lines as one text without markup."""
-    return _unmarked(" ".join(line for line in lines if line))
-
-
-def _unmarked(text: str) -> str:
-    return _ROLE.sub(lambda found: (found[1] or found[2]).removeprefix("drystone."), text)

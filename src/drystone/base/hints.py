@@ -1,4 +1,4 @@
-"""Annotations of arguments: which values they allow, and which argument has another."""
+"""What annotations and documentation say of arguments, and which argument has another value."""
 
 from __future__ import annotations
 
@@ -6,10 +6,12 @@ import collections.abc
 import enum
 import functools
 import inspect
+import operator
 import os
+import re
 import sys
 import types
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from numbers import Integral
 from pathlib import Path
 from typing import Any, Literal, Union, Unpack, get_args, get_origin, get_type_hints
@@ -19,6 +21,16 @@ from numpy.typing import NDArray
 
 from drystone.base.errors import DrystoneError, InputError, quoted, refuse_unknown
 
+_SECTIONS = ("Attributes", "Parameters")
+_ROLE = re.compile(r":\w+:`~?([^`]*)`|`+([^`]*)`+")
+"""Markup of a name in a docstring."""
+_KIND = re.compile(
+    r"(?:\[(?P<unit>[^]]*)\]|(?P<plain>coefficient))?"
+    r"(?P<ends>(?:,? ?[<>]=? ?[-\d.einf]+)*)(?P<rest> ?(?<=\] ).*)?"
+)
+"""Of an entry, behind its name: unit, range, and the beginning of its text."""
+_END = re.compile(r"([<>]=?) ?([-\d.einf]+)")
+_SIDES = {">=": operator.ge, ">": operator.gt, "<=": operator.le, "<": operator.lt}
 _UNIONS = (types.UnionType, Union)
 _ARRAYS = (np.ndarray, NDArray)  # since numpy 2.5 the second is a type of its own
 _SEVERAL = {tuple, list, set, frozenset, collections.abc.Set, Sequence, Collection, Iterable}
@@ -117,6 +129,35 @@ def hints_of(function: Any) -> dict[str, Any]:
     return found
 
 
+@functools.cache
+def documented(of: Any) -> dict[str, dict[str, Any]]:
+    """Of each attribute or parameter the text, the unit and the ends of its range.
+
+    Examples
+    --------
+    >>> from drystone.limits import LimitOptions
+    >>> documented(LimitOptions)["width"]["ends"]
+    {'>': 0.0, '<': inf}
+    """
+    return dict(_entries(inspect.getdoc(of) or ""))
+
+
+def beyond(value: float, ends: Mapping[str, float]) -> str:
+    """What to give in place of a number that is on the wrong side of an end; empty where it is not.
+
+    Examples
+    --------
+    >>> beyond(0, {">=": 1.0}), beyond(2.0, {">": 0.0, "<=": 1.0}), beyond(1, {">=": 1.0})
+    ('give 1 or more', 'give a number above zero, up to 1', '')
+    """
+    if all(_SIDES[sign](value, end) for sign, end in ends.items()):
+        return ""
+    words = {">=": "{} or more", ">": "a number above {}", "<=": "up to {}", "<": "below {}"}
+    said = [words[sign].format("zero" if sign == ">" and end == 0.0 else f"{end:g}")
+            for sign, end in ends.items() if np.isfinite(end)]  # fmt: skip
+    return "give a finite number" if value == np.inf else f"give {', '.join(said)}"
+
+
 def hint_of(function: Any, one: inspect.Parameter) -> Any:
     """The annotation of an argument; Any where it is known to a type checker only."""
     homes = reversed(function.__mro__) if isinstance(function, type) else (function,)
@@ -128,6 +169,41 @@ def hint_of(function: Any, one: inspect.Parameter) -> Any:
         return get_type_hints(asked, place)[one.name]
     except NameError:
         return Any
+
+
+def unmarked(text: str) -> str:
+    """A text without the markup of names."""
+    return _ROLE.sub(lambda found: (found[1] or found[2]).removeprefix("drystone."), text)
+
+
+def _entries(text: str) -> Iterator[tuple[str, dict[str, Any]]]:
+    """Name, and text, unit and range, of each entry with an attribute or a parameter."""
+    names: list[str] = []
+    more: dict[str, Any] = {}
+    told: list[str] = []
+    inside = False
+    lines = text.splitlines()
+    for line, below in zip(lines, [*lines[1:], ""], strict=True):
+        if below.startswith("---"):
+            inside = line in _SECTIONS
+        elif inside and line and not line.startswith((" ", "-")):
+            yield from ((name, {**more, "text": _plain(told)}) for name in names)
+            head, _, kind = line.partition(" : ")
+            names = [name.strip() for name in head.split(",")]
+            found = _KIND.match(kind)
+            more, told = {}, []
+            if found:
+                ends = {sign: float(end) for sign, end in _END.findall(found["ends"])}
+                more = {"unit": found["unit"] or found["plain"] or "", "ends": ends}
+                told = [(found["rest"] or "").strip()]
+        elif inside:
+            told.append(line.strip())
+    yield from ((name, {**more, "text": _plain(told)}) for name in names)
+
+
+def _plain(lines: Sequence[str]) -> str:
+    """The lines as one text without markup."""
+    return unmarked(" ".join(line for line in lines if line))
 
 
 def _parts(hint: Any) -> tuple[Any, ...]:

@@ -13,7 +13,7 @@ import numpy as np
 from drystone.base.arrays import number, of_type, refuse_many
 from drystone.base.display import OneLine
 from drystone.base.errors import ODD, DrystoneError, InputError, counted, refuse_unknown
-from drystone.base.hints import blame, hint_of, hints_of, kinds_of, refuse_wrong
+from drystone.base.hints import beyond, blame, documented, hint_of, hints_of, kinds_of, refuse_wrong
 from drystone.base.progress import LongWork, with_keywords, with_parameters
 
 P = ParamSpec("P")
@@ -24,13 +24,13 @@ E = TypeVar("E", bound=enum.Enum)
 class Options(OneLine):
     """Base of all options: a frozen dataclass that checks the types of its fields.
 
-    Each value must be one that the annotation allows; a value of an enumeration becomes its
-    member. The range of numbers is for each class.
+    Each value must be one that the annotation allows, within the range that its documentation
+    says, such as ``>= 0``; a value of an enumeration becomes its member.
 
     Raises
     ------
     InputError
-        A field is of another type, or there is none of that name; it is named.
+        A field is of another type or out of range, or there is none of that name; it is named.
     """
 
     def __post_init__(self) -> None:
@@ -40,25 +40,11 @@ class Options(OneLine):
             if (value := getattr(self, name, None)) is default.default or name not in hints:
                 continue
             refuse_wrong([(name, value)], hints)
-            kinds = kinds_of(hints[name])
-            kind: Any = get_origin(kinds[0]) or kinds[0]
-            made = isinstance(kind, type) and issubclass(kind, int | float | tuple | enum.Enum)
-            if made and len(kinds) == 1 and value is not None:
-                object.__setattr__(self, name, kind(value))
-
-    def _refuse_below(self, least: float, *names: str) -> None:
-        """Refuse fields that hold a number below ``least``."""
-        for name in names:
-            value = getattr(self, name)
-            if value is not None and not value >= least:
-                raise InputError(f"{name} is {value:g}", remedy=f"give {least:g} or more")
-
-    def _refuse_unless_positive(self, *names: str) -> None:
-        """Refuse fields that do not hold a number above zero."""
-        for name in names:
-            value = getattr(self, name)
-            if value is not None and not value > 0.0:
-                raise InputError(f"{name} is {value:g}", remedy="give a number above zero")
+            if (made := _of_kind(value, hints[name])) is not value:
+                object.__setattr__(self, name, made)
+            ends = documented(own).get(name, {}).get("ends", {})
+            if isinstance(made, int | float) and (remedy := beyond(made, ends)):
+                raise InputError(f"{name} is {made:g}", remedy=remedy)
 
     @classmethod
     def of(cls, given: Self | None) -> Self:
@@ -70,6 +56,14 @@ class Options(OneLine):
             It is something else.
         """
         return cls() if given is None else of_type(given, cls, "options")
+
+
+def _of_kind(value: Any, hint: Any) -> Any:
+    """A number, tuple or member of an enumeration as the annotation has it; others as they are."""
+    kinds = kinds_of(hint)
+    kind: Any = get_origin(kinds[0]) or kinds[0]
+    made = isinstance(kind, type) and issubclass(kind, int | float | tuple | enum.Enum)
+    return kind(value) if made and len(kinds) == 1 and value is not None else value
 
 
 def member_of(kind: type[E], value: Any, name: str) -> E:

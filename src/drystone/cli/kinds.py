@@ -78,13 +78,13 @@ def named(param: click.Parameter | None) -> str:
     return param.metavar or (param.name or "").upper()
 
 
-def typed(name: str, hint: Any, **bounds: float) -> OptionKind:
-    """A value of a type, within the bounds of :class:`drystone.base.declared.Declared`."""
+def typed(name: str, hint: Any, **ends: float) -> OptionKind:
+    """A value of a type, within the ends of :class:`drystone.base.declared.Declared`."""
 
     def read(text: str) -> Any:
         from drystone.base.declared import Declared  # the program starts without numpy
 
-        return Declared("", hint, None, **bounds).value(text)  # type: ignore[arg-type]
+        return Declared("", hint, None, ends=ends).value(text)
 
     return OptionKind(name, read)
 
@@ -192,9 +192,9 @@ SECTION = OptionKind("AXIS[=METRES]", _section)
 FILE = OptionKind("FILE", str)
 WRITTEN = OptionKind("FILE", str, written=("",))
 NUMBER = typed("NUMBER", float)
-POSITIVE = typed("NUMBER", float, above=0.0)
+POSITIVE = typed("NUMBER", float, **{">": 0.0})
 WHOLE = typed("COUNT", int)
-COUNT = typed("COUNT", int, least=1)
+COUNT = typed("COUNT", int, **{">=": 1.0})
 WORKERS = OptionKind("COUNT|ADDRESS", _workers)
 LENGTH = OptionKind("LENGTH", lambda text: units.length(text, "length"))
 COEFFICIENT = OptionKind("NUMBER|ANGLE", units.coefficient)

@@ -64,7 +64,7 @@ class BuildableOptions(Options):
         :class:`drystone.shells.Layout`.
     friction
         Coefficient of every joint.
-    hands
+    hands : >= 1
         See :class:`drystone.sequence.Rules`.
     ends
         What becomes of flush ends of joints.
@@ -87,7 +87,6 @@ class BuildableOptions(Options):
                 remedy="give different ones, the shallowest first, "
                 f"from -{LARGEST_WEDGE} to {LARGEST_WEDGE}",
             )
-        self._refuse_below(1, "hands")
 
 
 @checked_call

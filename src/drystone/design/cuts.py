@@ -82,12 +82,6 @@ class CutOptions(Options):
     most: int = 40
     plan: PlanOptions = field(default_factory=PlanOptions)
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        self._refuse_below(2, "blocks")
-        self._refuse_below(1, "most")
-        self._refuse_below(0.0, "friction")
-
     def model(self, assembly: Assembly) -> Model:
         """Blocks with joints as chosen."""
         return replace(Model.of(assembly, friction=self.friction), ends=self.ends)
@@ -268,7 +262,6 @@ class RecutOptions(Options):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        self._refuse_below(1, "most")
         angles = frozen_floats(self.angles_deg, (None,), "angles_deg")
         if not ((angles > 0.0) & (angles < 60.0)).all():
             raise InputError("angles must lie between 0 and 60 degrees", where="angles_deg")

@@ -49,7 +49,7 @@ class DiagnosisOptions(Options):
         Whether to search the prop, the friction, the ballast and the glue with which each region
         stands. Without it the diagnosis has the falling blocks, their motion and the missing force
         only.
-    regions
+    regions : >= 1
         Number of regions that are examined, the heaviest first.
     large
         Whether what regions of more than 40 blocks need is searched too: each trial is slow there.
@@ -58,10 +58,6 @@ class DiagnosisOptions(Options):
     needs: bool = True
     regions: int = 20
     large: bool = True
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        self._refuse_below(1, "regions")
 
     @classmethod
     def brief(cls) -> DiagnosisOptions:

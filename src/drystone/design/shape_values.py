@@ -62,13 +62,13 @@ class ShapeOptions(Options):
         Name or position of the block that reaches out.
     rounds : >= 1
         Steps of the search at most; contacts are found anew after each.
-    iterations
+    iterations : >= 1
         Iterations of the optimiser in one round at most.
-    least_edge : [m] > 0
+    least_edge : [m] >= 0, < inf
         No edge that moves gets shorter: the least thickness of blocks.
-    trust
+    trust : > 0, <= 1
         Largest change of a variable in the first round, by its largest move.
-    close
+    close : > 0, < 1
         The search ends when a round gains less than this share.
     """
 
@@ -84,20 +84,11 @@ class ShapeOptions(Options):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        self._refuse_below(1, "rounds", "iterations")
         if self.aim is ShapeAim.TILT and self.margin.tilt > 0.0:
             raise InputError(
                 "the largest tilt and a margin of tilt contradict each other",
                 remedy="leave the margin of tilt out",
             )
-        if not 0.0 < self.trust <= 1.0:
-            raise InputError(f"the trust is {self.trust}", remedy="give a share above 0, up to 1")
-        if not 0.0 <= self.least_edge < np.inf:
-            raise InputError(
-                f"the least edge is {self.least_edge} m", remedy="give metres, 0 or more"
-            )
-        if not 0.0 < self.close < 1.0:
-            raise InputError(f"close is {self.close}", remedy="give a share between 0 and 1")
 
 
 class ShapeValues:

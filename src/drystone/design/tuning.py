@@ -41,7 +41,7 @@ class TuneOptions(Options):
     ----------
     trials : >= 1
         Structures that are built and checked, those of an earlier run included.
-    batch
+    batch : >= 1
         Trials that are asked for together. The answer depends on it, and not on an executor.
     seed : >= 0
         The same seed gives the same search.
@@ -58,11 +58,6 @@ class TuneOptions(Options):
     seed: int = 0
     margin: DesignMargin = field(default_factory=DesignMargin)
     props: int | None = None
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        self._refuse_below(1, "trials", "batch")
-        self._refuse_below(0, "seed", "props")
 
 
 @checked_call

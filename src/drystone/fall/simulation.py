@@ -333,14 +333,14 @@ class FallOptions(Options):
 
     Attributes
     ----------
-    duration : > 0
+    duration : > 0, < inf
         Largest length of the film, by the time in which a block falls freely by half its size:
         0.32 s for blocks of 1 m, 0.1 s for blocks of 0.1 m.
-    rate
+    rate : > 0, < inf
         Frames in that time.
     ground
         A plane below the lowest point, on which blocks come to lie.
-    nudge
+    nudge : >= 0, < inf
         Speed at the beginning, along a given first motion, by that at the end of such a free fall.
     """
 
@@ -348,14 +348,6 @@ class FallOptions(Options):
     rate: float = 12.0
     ground: bool = True
     nudge: float = 0.02
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        self._refuse_unless_positive("duration", "rate")
-        self._refuse_below(0.0, "nudge")
-        for name in ("duration", "rate", "nudge"):
-            if not getattr(self, name) < float("inf"):
-                raise InputError(f"{name} is {getattr(self, name)}", remedy="give a finite number")
 
 
 @dataclass(frozen=True, eq=False)

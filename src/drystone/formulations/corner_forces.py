@@ -45,7 +45,7 @@ class FrictionCone(Options):
         0 for the exact cone, else the number of sides of a pyramid.
     circumscribed
         Pyramid around the cone (claims of impossibility) or inside it (claims of equilibrium).
-    local
+    local : >= 0, < inf
         Friction coefficient of single corners. The coefficient of the interface then bounds only
         the resultant of the whole interface, so a corner may use more friction than its own normal
         force allows. ``None``: every corner has the coefficient of the interface.
@@ -64,8 +64,6 @@ class FrictionCone(Options):
         super().__post_init__()
         if self.sides != 0 and self.sides < 3:
             raise InputError(f"a friction pyramid has {self.sides} sides", remedy="0 or 3 and more")
-        if self.local is not None and not 0.0 <= self.local < float("inf"):
-            raise InputError(f"local friction is {self.local}", remedy="give zero or more")
 
     @classmethod
     def exact(cls) -> FrictionCone:

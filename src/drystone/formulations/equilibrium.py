@@ -73,15 +73,15 @@ class Weights(Options):
     Values of Kao et al. 2022, section 3: tension costs a million times as much as
     compression. The cost of friction applies to the length of the friction force (linear objective)
     or to its square (quadratic objective), so it does not depend on the frame.
+
+    Attributes
+    ----------
+    compression, tension, friction : >= 0
     """
 
     compression: float = 1.0
     tension: float = 1e6
     friction: float = 0.0
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        self._refuse_below(0.0, "compression", "tension", "friction")
 
     def levelled(self) -> Weights:
         """The same ratios, with compression as far below one as tension is above.

@@ -19,7 +19,6 @@ import numpy as np
 from drystone.assembly import Assembly
 from drystone.base.arrays import Floats
 from drystone.base.display import OneLine
-from drystone.base.errors import InputError
 from drystone.base.progress import Stop
 from drystone.base.settings import Options
 from drystone.base.units import NUMBER
@@ -136,7 +135,7 @@ class LimitOptions(Options):
 
     Attributes
     ----------
-    width : > 0
+    width : > 0, < inf
         Width of the brackets, in the unit of the parameter; when left out, a default of each limit.
     scan : >= 1
         Number of steps between the start and the limit of equilibrium before bisection. An island
@@ -154,13 +153,6 @@ class LimitOptions(Options):
     cone: FrictionCone = field(default_factory=FrictionCone.exact)
     equilibrium_only: bool = False
     robust: bool = False
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        if self.width is not None and not 0.0 < self.width < float("inf"):
-            raise InputError(f"width is {self.width}", remedy="give a number above zero")
-        if self.scan < 1:
-            raise InputError(f"scan is {self.scan}", remedy="give one step or more")
 
 
 @dataclass(frozen=True, eq=False)

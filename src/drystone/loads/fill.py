@@ -71,11 +71,6 @@ class Fill(Options):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.cover < 0.0:
-            raise InputError(
-                f"the road would be {-self.cover:g} m below the crown", remedy="give a cover from 0"
-            )
-        self._refuse_below(0.0, "weight", "k", "passive", "spread")
         if 0.0 < self.passive < self.k:
             raise InputError(
                 f"passive is {self.passive:g}, k {self.k:g}", remedy="give more than k"
@@ -352,10 +347,6 @@ class Earth(Options):
     water: float | None = None
     wall_friction: float = 0.0
     blocks: str = ""
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        self._refuse_below(0.0, "weight", "k", "surcharge", "wall_friction")
 
     @classmethod
     def named(cls, text: str) -> Self:

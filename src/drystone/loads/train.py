@@ -42,14 +42,14 @@ class Train(Options):
     places : (a,) [m]
         From the first axle on.
     loads : (a,) [N]
-    contact, across : [m]
+    contact, across : [m] >= 0
         Length and width of the road on which an axle acts; over the whole width of the bridge
         where ``across`` is zero.
-    line : [N/m]
+    line : [N/m] >= 0
         Load by length along x on any parts of the road; none at zero.
-    lane : [m]
+    lane : [m] >= 0
         Width on which the line load acts; the whole width of the bridge at zero.
-    clear : [m]
+    clear : [m] >= 0
         Between the line load and the first and the last axle; it acts between axles as well when
         left out.
     source
@@ -84,7 +84,6 @@ class Train(Options):
                 "a load is not above zero, or its places do not grow", where=where,
                 remedy="list axles from the first one on",
             )  # fmt: skip
-        self._refuse_below(0.0, "contact", "across", "line", "lane", "clear")
         if not self.line and (self.lane or self.clear is not None):
             raise InputError(
                 "it has no line load, but a lane or what is clear of one", where=where,

@@ -11,7 +11,6 @@ import numpy as np
 
 from drystone.base.arrays import lengths
 from drystone.base.display import named
-from drystone.base.errors import InputError
 from drystone.base.progress import Clock
 from drystone.base.settings import Options, checked_call
 from drystone.checks import check_forces
@@ -53,11 +52,11 @@ class PenaltyOptions(Options):
 
     Attributes
     ----------
-    ground
+    ground : > 0, < inf
         Stiffness of the ground, far below that of the glue: it carries what glue cannot.
     settle
         Whether a structure that comes to rest after settling needs no help.
-    gamma
+    gamma : >= 1, < inf
         Cost of tension by that of compression, one or more: springs that balance loads have the
         least energy, in which a pull on glue of a stiffness counts by its inverse. As far as the
         iteration follows, 1000 at most, when left out.
@@ -66,13 +65,6 @@ class PenaltyOptions(Options):
     ground: float = 1e-8
     settle: bool = False
     gamma: float | None = None
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        if not 0.0 < self.ground < np.inf:
-            raise InputError(f"the ground is {self.ground}", remedy="give more than 0")
-        if self.gamma is not None and not 1.0 <= self.gamma < np.inf:
-            raise InputError(f"gamma is {self.gamma}", where="gamma", remedy="give 1 or more")
 
     @property
     def glue(self) -> tuple[float, ...]:

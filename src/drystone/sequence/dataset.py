@@ -57,13 +57,13 @@ class DatasetOptions(Options):
         The same seed gives the same data.
     width : >= 1
         The next block to go is one of so many highest.
-    held
+    held : >= 0, <= 1
         Share of the subsets in which one block, drawn at random, is held.
     planned
         Whether the first order of each structure is that of the planner, where it has one.
     robust
         Whether other contact stiffnesses are tried; see :class:`drystone.Structure`.
-    each_s : [s]
+    each_s : [s] >= 0
         Time limit of every check; what is not decided until then is UNDECIDED.
     """
 
@@ -74,13 +74,6 @@ class DatasetOptions(Options):
     planned: bool = False
     robust: bool = False
     each_s: float = float("inf")
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        self._refuse_below(1, "rows", "width")
-        self._refuse_below(0, "seed", "held", "each_s")
-        if self.held > 1.0:
-            raise InputError(f"held is {self.held:g}", remedy="give a share between 0 and 1")
 
 
 class BuiltOrder(NamedTuple):

@@ -55,11 +55,11 @@ class PlanOptions(Options):
     Attributes
     ----------
     rules
-    patience
+    patience : >= 0
         Stages without progress before blocks are held or propped. When left out: 1600 divided by
         the number of free blocks in the largest connected part, fewer above 50 blocks. Infinite:
         the plan is proved to need the least help (`Plan.proved`).
-    width
+    width : >= 1
         Number of blocks tried for removal at each stage. The default covers the ends of a course
         and a few more.
     anyway
@@ -82,8 +82,6 @@ class PlanOptions(Options):
         super().__post_init__()
         if self.scaffold is not None:
             object.__setattr__(self, "scaffold", Support.named(self.scaffold))
-        self._refuse_below(0.0, "patience")
-        self._refuse_below(1, "width")
 
 
 @checked_call

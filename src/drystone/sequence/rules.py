@@ -82,10 +82,6 @@ class Rules(Options):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.hands < 1:
-            raise InputError(
-                f"{self.hands} hands place no block", where="hands", remedy="give 1 or more"
-            )
         if isinstance(self.order, str):
             known = [one.value for one in Order]
             if self.order not in known:
@@ -145,10 +141,8 @@ def bind(rules: Rules, model: StagedModel, removal: RemovalTest) -> BoundRules:
     Raises
     ------
     InputError
-        A payload that is not positive, unknown names, contradictory precedence.
+        Unknown names, contradictory precedence.
     """
-    if not rules.payload > 0.0:
-        raise InputError(f"is {rules.payload} kg", where="payload", remedy="give more than zero")
     hands, lifters, limit = strength(rules, model)
     after = _after(rules, model)
     core, reasons = _locked(rules, model, removal, after, lifters, hands)

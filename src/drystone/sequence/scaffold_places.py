@@ -61,21 +61,21 @@ class ScaffoldOptions(Options):
     ----------
     limit : [N] > 0
         Largest force of one strut, rope, clamp, or the centring under one block (none).
-    moment : [N m]
+    moment : [N m] > 0
         Of one clamp.
-    friction
+    friction : coefficient >= 0
         Of centring, and of heads and feet of struts. Struts and ropes lean towards the normal of
         their face, as far as it holds.
-    clear : [m]
+    clear : [m] >= 0
         Height of the anchors of ropes above the highest block.
     foot
         Name of the block on which struts stand, and which bears their force. When left out: the
         first that a strut meets on its way down, else the ground.
     longest : [m] > 0
         Length of the longest strut (no limit).
-    stage_cost
+    stage_cost : >= 0
         Of a metre for one stage. A clamp counts as one metre.
-    move_cost
+    move_cost : >= 0
         Of setting up what holds one block, once.
     """
 
@@ -90,8 +90,6 @@ class ScaffoldOptions(Options):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        self._refuse_unless_positive("limit", "moment", "longest")
-        self._refuse_below(0.0, "friction", "clear", "stage_cost", "move_cost")
 
 
 def items_of(

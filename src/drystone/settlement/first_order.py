@@ -46,21 +46,15 @@ class SupportResponseOptions(Options):
 
     Attributes
     ----------
-    compliance : > 0
+    compliance : > 0, < inf
         Overlap of a corner under the mean weight of a block, relative to the largest motion of a
         support. Small for stiff blocks.
-    step_limit
+    step_limit : >= 1
         Largest number of steps of the fixed-point iteration for Coulomb's law.
     """
 
     compliance: float = 1e-3
     step_limit: int = 60
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        if not 0.0 < self.compliance < float("inf"):
-            raise InputError(f"compliance is {self.compliance}", remedy="give a number above zero")
-        self._refuse_below(1, "step_limit")
 
 
 @dataclass(frozen=True, eq=False)

@@ -260,25 +260,19 @@ class ConicOptions(Options):
 
     Attributes
     ----------
-    tolerance
+    tolerance : > 0
         Relative feasibility, dimensionless; 1e-9 is close to what doubles allow.
-    gap
+    gap : > 0
         Relative distance from the optimum; the same as ``tolerance`` when left out. If any feasible
         point is sufficient, a coarse gap saves a third of the steps.
-    iteration_limit
-    time_limit_s
+    iteration_limit : >= 1
+    time_limit_s : [s] >= 0
     """
 
     tolerance: float = 1e-9
     gap: float | None = None
     iteration_limit: int = 200
     time_limit_s: float = float("inf")
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        self._refuse_unless_positive("tolerance", "gap")
-        self._refuse_below(1, "iteration_limit")
-        self._refuse_below(0.0, "time_limit_s")
 
 
 @dataclass(frozen=True, eq=False)

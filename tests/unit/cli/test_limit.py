@@ -259,7 +259,7 @@ def test_check_writes_the_forces_of_corners(model: str, tmp_path: Path, capsys: 
         (["limit", "train", "MODEL", "--train", "lm71"], "--train: 'lm71' is 4.8 m long, the"),
         (
             ["limit", "train", "MODEL", "--fill", "cover=-0.1m,weight=20kN/m3"],
-            "--fill: the road would be 0.1 m below the crown; give a cover from 0",
+            "--fill: cover is -0.1; give 0 or more",
         ),
         (["limit", "train", "MODEL", "--fill", "cover=0.1m,weight=20"], "--fill: '20' has no unit"),
         (

@@ -407,7 +407,7 @@ def test_wrong_options_are_refused_in_words() -> None:
         MendOptions(kinds=("glue,tie",))
     with pytest.raises(InputError, match="no kind of mend is allowed"):
         MendOptions(kinds=())
-    with pytest.raises(InputError, match=r"margin of friction is 1\.5"):
+    with pytest.raises(InputError, match=r"friction is 1\.5; give a number above zero, up to 1"):
         DesignMargin(friction=1.5)
     with pytest.raises(InputError, match="no block is called 'nobody'"):
         find_mends(tower(2), options=MendOptions(keep=("nobody",)))
@@ -476,7 +476,7 @@ def test_a_file_that_no_mend_has_changed_is_not_written(
         (["--margin", "load=1.1", "--margin", "load=1.2"], "given twice"),
         (["--kind", "prop", "--apply", "7"], "there is no mend 7"),
         (["--kind", "tie", "--kind", "support", "--apply", "1"], "no mend 1: tie, support failed"),
-        (["--apply", "0"], "--apply: is 0; give a number of 1 or more"),
+        (["--apply", "0"], "--apply: is 0; give 1 or more"),
         (["--pages", f"{__file__}/pages"], "is no folder; name another folder"),
     ],
 )

@@ -140,7 +140,7 @@ def test_corners_may_then_use_more_friction_than_the_joint() -> None:
     assert solve_equilibrium(problem, cone=EXACT).raw.status is ConicStatus.INFEASIBLE
     relaxed = solve_equilibrium(problem, cone=FrictionCone(local=1.0))
     assert relaxed.raw.status is ConicStatus.SOLVED
-    with pytest.raises(InputError, match="local friction is -1"):
+    with pytest.raises(InputError, match="local is -1; give 0 or more"):
         FrictionCone(local=-1.0)
 
 

@@ -132,7 +132,6 @@ def test_every_order_ends_with_every_block_placed(order):
 @pytest.mark.parametrize(
     ("rules", "words"),
     [
-        (Rules(payload=0.0), "payload"),
         (Rules(before=[("block-1", "block-9")]), "no block is called 'block-9'"),
         (Rules(before=[("block-1", "block-2"), ("block-2", "block-1")]), "contradicts itself"),
         (Rules(before=[("block-1", "block-0")]), "which is a support"),
@@ -309,6 +308,8 @@ def test_less_help_is_searched_below_a_first_order(blocks, patience):
 
 
 def test_no_hands_are_refused_at_once():
+    with pytest.raises(InputError, match="payload is 0; give a number above zero"):
+        Rules(payload=0.0)
     with pytest.raises(InputError, match="give 1 or more"):
         Rules(hands=0)
 
