@@ -48,6 +48,8 @@ _PAIRS = ("undirected", "near_undirected", "duplicates")
 
 Pair = TypeVar("Pair", Resampled, Missed, Inexact, Shortfall, Overlap)
 """What is found between two blocks."""
+Known = TypeVar("Known", int, str)
+"""What is known of a block."""
 
 
 @dataclass(frozen=True)
@@ -190,6 +192,9 @@ class ContactReport(Card):
                 if new[one.block_a] >= 0 and new[one.block_b] >= 0
             )
 
+        def of_one(rows: tuple[tuple[int, Known], ...]) -> tuple[tuple[int, Known], ...]:
+            return tuple((int(new[block]), known) for block, known in rows if new[block] >= 0)
+
         def both(pairs: tuple[tuple[int, int], ...]) -> tuple[tuple[int, int], ...]:
             numbers = [(int(new[a]), int(new[b])) for a, b in pairs]
             return tuple(pair for pair in numbers if min(pair) >= 0)
@@ -204,8 +209,8 @@ class ContactReport(Card):
             block_a=block_a,
             block_b=block_b,
             isolated=tuple(alone.tolist()),
-            parts=tuple((int(new[b]), count) for b, count in self.parts if new[b] >= 0),
-            repairs=tuple((int(new[b]), what) for b, what in self.repairs if new[b] >= 0),
+            parts=of_one(self.parts),
+            repairs=of_one(self.repairs),
             **own,
         )
 
