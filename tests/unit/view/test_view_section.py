@@ -10,7 +10,8 @@ import pytest
 
 import drystone
 from drystone.base.errors import InputError
-from drystone.cli import check_command, main, told
+from drystone.cli import main, told
+from drystone.cli.waiting import Waiting
 from drystone.models import arch, tower
 from drystone.results import Result
 from drystone.view import LayerKind, save_figure, save_page, scene_of
@@ -117,7 +118,7 @@ def test_a_section_beside_the_model_is_refused_before_any_work(
     model = "arch" if "thickness" in command else tmp_path / "tower.json"
     drystone.write(drystone.Model.of(tower(2)), tmp_path / "tower.json")
     monkeypatch.setattr(told.Pictures, "of", None)  # no picture is begun
-    monkeypatch.setattr(check_command, "solve", None)
+    monkeypatch.setattr(Waiting, "stoppable", None)  # no analysis
     page = tmp_path / "a.html"
     assert main([*command, str(model), "--section", "z=9", "--html", str(page)]) == 2
     said = capsys.readouterr().err
