@@ -125,6 +125,11 @@ def laid_ground(assembly: Assembly) -> int | None:
     return None
 
 
+def own_blocks(assembly: Assembly) -> Bools:
+    """The blocks (n,) of a model, without the ground laid below them."""
+    return np.arange(len(assembly)) != laid_ground(assembly)
+
+
 def _around(assembly: Assembly, left_out: int | None) -> Floats:
     """Box (2, 3) around all blocks but one."""
     each = assembly.bounds if left_out is None else np.delete(assembly.bounds, left_out, axis=0)

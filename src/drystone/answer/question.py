@@ -13,7 +13,7 @@ import numpy as np
 from drystone.assembly import Assembly
 from drystone.base import units
 from drystone.base.arrays import Floats, frozen
-from drystone.base.display import OneLine, differing
+from drystone.base.display import OneLine, differing, shortened
 from drystone.base.errors import counted
 from drystone.base.version import commit, version
 from drystone.contacts import Contacts
@@ -24,13 +24,13 @@ from drystone.loads.case import STANDARD_GRAVITY
 from drystone.loads.earthquake import Shaken
 from drystone.model import Model
 from drystone.supports import UP as VERTICAL
-from drystone.supports import bounds_above_ground
+from drystone.supports import bounds_above_ground, own_blocks
 from drystone.ties import strengths, ties_told
 
 UP = frozen(np.array(VERTICAL))
 """The vertical axis of a picture, unless gravity is turned."""
-_NAMED = 4
-"""Supports named in a line; more are counted."""
+_NAMED = 3
+"""Supports named in a line; of more the first ones are, and all are counted."""
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,8 @@ class Question(OneLine):
     reading
         How it was read, where that was given: units, axis, supports, gap and others.
     blocks, interfaces, joints
-        How many. A curved joint has several interfaces.
+        How many, without the ground that supports lay below them. A curved joint has
+        several interfaces.
     size : [m]
         Along x, y and z.
     free_mass : [kg]
@@ -142,7 +143,8 @@ class Question(OneLine):
         cls, assembly: Assembly, contacts: Contacts, load: LoadCase | None, **more: Any
     ) -> Question:
         free = ~assembly.fixed
-        density = np.array([block.density for block in assembly.blocks])
+        own = own_blocks(assembly)
+        density = np.array([block.density for block in assembly.blocks])[own]
         low, high = bounds_above_ground(assembly)
         common, others, shaken = ((), (), {}) if load is None else _loads(assembly, load)
         rubs = contacts.select(~contacts.ties)
@@ -151,7 +153,7 @@ class Question(OneLine):
             capacity = {name: _ends(getattr(rubs.capacity, name)) for name in DRY}
             stress = rubs.capacity.stress_on(rubs.area)
         return cls(
-            blocks=len(assembly),
+            blocks=int(own.sum()),
             interfaces=contacts.count,
             joints=contacts.joints.count,
             size=tuple((high - low).tolist()),
@@ -328,7 +330,7 @@ def _supports(fixed: tuple[str, ...]) -> str:
     if not fixed:
         return "none"
     if len(fixed) > _NAMED:
-        return f"{len(fixed):,} blocks"
+        return f"{len(fixed):,} blocks: {', '.join(shortened(one) for one in fixed[:_NAMED])}, ..."
     told = ", ".join(fixed)
     if any(name.isdecimal() for name in fixed):  # "0" alone would be a count
         return f"block {told}" if len(fixed) == 1 else f"blocks {told}"

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from drystone.base.arrays import texts
-from drystone.base.errors import InputError
+from drystone.base.errors import InputError, counted
 from drystone.base.files import plain_target, same_place
 from drystone.cli import kinds
 from drystone.cli.command import command
@@ -98,17 +98,19 @@ def convert(
     waiting.stage("write", f"writing {target}")
     io.write(read, target, format=to, units=read.units)
     from drystone.answer import Role, Sentence, Statement
+    from drystone.supports import own_blocks
 
+    count = int(own_blocks(read.assembly).sum())
     values = {
         "format": chosen.name,
-        "blocks": len(read.assembly),
+        "blocks": count,
         "fixed": int(read.assembly.fixed.sum()),
         "interfaces": None if read.contacts is None else read.contacts.count,
         "joint_allowance": joint_allowance,
         "loses": chosen.loses,
     }
     units = read.units if chosen.any_unit else "m"
-    told = [Sentence(f"{len(read.assembly)} blocks, {chosen.title}, in {units}", Role.GOOD)]
+    told = [Sentence(f"{counted(count, 'block')}, {chosen.title}, in {units}", Role.GOOD)]
     if joint_allowance is not None:
         said = f"joints are open by {1e3 * joint_allowance:g} mm; analyse the model without it"
         told.append(Sentence(said, Role.REMARK))

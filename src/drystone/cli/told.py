@@ -371,8 +371,9 @@ def left_out(chosen: Format, units: str, contents: Contents) -> list[str]:
     said = [f"this format does not store {chosen.loses}"] if chosen.loses else []
     if chosen.loses and _loses_a_pull(chosen, contents):
         said.append("ties and glue are not in this file, what they hold falls: write .json")
-    if "supports" in chosen.loses and laid_ground(contents.assembly) is not None:
-        said.append("its 'ground' is the plane that supports lay, no block to build")
+    if (ground := laid_ground(contents.assembly)) is not None:
+        name = contents.assembly.names[ground]
+        said.append(f"its '{name}' is the plane that supports lay, no block to build")
     if chosen.any_unit and chosen.name != "3dm":
         said.append(f"its lengths are in {units}, which the file does not say: --units {units}")
     return said

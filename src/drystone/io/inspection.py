@@ -34,7 +34,7 @@ from drystone.detection import ContactReport, Detection, GapSweep
 from drystone.geometry.surface import worth_drawing
 from drystone.io.build import Built
 from drystone.model import Model
-from drystone.supports import ground_of, laid_ground, select
+from drystone.supports import ground_of, own_blocks, select
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,17 +98,10 @@ class Inspection(Answer):
 
     @property
     def _blocks(self) -> list[Block]:
+        """Those of the file, without the ground that supports lay."""
         if self.built is None or not self.built.defects:
-            return list(self.assembly.blocks)  # with the ground that supports lay
+            return [self.assembly.blocks[i] for i in np.flatnonzero(own_blocks(self.assembly))]
         return [block for block in self.built.blocks if block is not None]
-
-    @property
-    def _own(self) -> list[Block]:
-        """Those of the file, without the ground."""
-        if self.built is not None and self.built.defects:
-            return self._blocks
-        ground = laid_ground(self.assembly)
-        return [one for i, one in enumerate(self._blocks) if i != ground]
 
     @property
     def _defects(self) -> tuple[InputError, ...]:
@@ -117,7 +110,7 @@ class Inspection(Answer):
     @cached_property
     def _fixed(self) -> list[bool]:
         if self.built is None or not self.built.defects:
-            return [bool(one) for one in self.assembly.fixed]
+            return [bool(one) for one in self.assembly.fixed[own_blocks(self.assembly)]]
         names = () if self.usable is None else self.usable.names
         chosen = {} if self.usable is None else dict(zip(names, self.usable.fixed, strict=True))
         each = zip(self.built.blocks, self.built.fixed, strict=True)
@@ -142,13 +135,12 @@ class Inspection(Answer):
         """Sizes, defects by kind, what the contact search found and missed."""
         blocks, fixed = self._blocks, sum(self._fixed)
         told = [f"{counted(len(blocks), 'block')}, {fixed} of them fixed"]
-        if own := self._own:
-            bounds = np.array([block.bounds for block in own])
+        if blocks:
+            bounds = np.array([block.bounds for block in blocks])
             extent = bounds[:, 1].max(axis=0) - bounds[:, 0].min(axis=0)
-            volume = sum(float(block.volume) for block in own)
-            weight = sum(float(block.mass) for block in own)
+            volume = sum(float(block.volume) for block in blocks)
+            weight = sum(float(block.mass) for block in blocks)
             told += [units.extent(extent), f"{volume:,.4g} m3", units.mass(weight)]
-            told += ["without the ground"] if len(own) < len(blocks) else []
         said = [Sentence(", ".join(told), Role.BAD if self._defects else Role.GOOD)]
         said += self._told_defects()
         lines = [] if self.found is None else list(self.found.report.summary())
@@ -183,7 +175,7 @@ class Inspection(Answer):
         """Where the blocks are, the defects, the contact report and the sweep."""
         blocks = self._blocks
         return {
-            "volume": sum(float(one.volume) for one in self._own),
+            "volume": sum(float(one.volume) for one in blocks),
             "places": [
                 {
                     "block": one.name,
@@ -229,7 +221,8 @@ class Inspection(Answer):
         stage = SceneStage("contacts", self.title, message, state_of(assembly), layers=tuple(parts))
         if self.sweep is not None:
             charts.append(self.chart(self.sweep))
-        count = f"{len(assembly)} blocks, {contacts.count} interfaces"
+        own = int(own_blocks(assembly).sum())
+        count = f"{counted(own, 'block')}, {contacts.count} interfaces"
         return Scene(
             assembly, contacts, (stage,), f"drystone: {count}", self.asked.facts(),
             charts=tuple(charts),

@@ -24,7 +24,7 @@ from drystone.loads.applied import applied_loads, common_acceleration
 from drystone.model import Model
 from drystone.results import Result
 from drystone.stability.proofs import FALLING_SHARE, MECHANISM_TOLERANCE, moving_blocks
-from drystone.supports import laid_ground
+from drystone.supports import own_blocks
 
 
 def weights(model: Model) -> Table:
@@ -33,7 +33,7 @@ def weights(model: Model) -> Table:
     The ground that supports lay has none. What blocks carry has a row for each kind.
     """
     assembly = model.assembly
-    own = np.arange(len(assembly)) != laid_ground(assembly)
+    own = own_blocks(assembly)
     density = np.array([block.density for block in assembly.blocks]).round(6)
     g = float(np.linalg.norm(common_acceleration(assembly, model.load) - model.load.shake))
     rows = []

@@ -32,7 +32,7 @@ from drystone.joints import (
 from drystone.loads.applied import applied_loads, is_vertical
 from drystone.results.solution import Sensitivity, Solution, reaction_table
 from drystone.results.stage import stage_of
-from drystone.supports import laid_ground
+from drystone.supports import own_blocks
 from drystone.ties import joint_words
 
 
@@ -44,7 +44,7 @@ class Result(Solution, Answer):
     """
 
     def _summary(self) -> str:
-        blocks, joints = len(self.assembly), self.contacts.count
+        blocks, joints = int(own_blocks(self.assembly).sum()), self.contacts.count
         return (
             f"{self.verdict}, {counted(blocks, 'block')}, {counted(joints, 'interface')}, "
             f"'{self.message}'"
@@ -55,7 +55,7 @@ class Result(Solution, Answer):
         """The verdict as a plain sentence."""
         if self.verdict is Verdict.UNSTABLE:
             if len(self.falling) > 1:
-                own = len(self.assembly) - (laid_ground(self.assembly) is not None)
+                own = int(own_blocks(self.assembly).sum())
                 return f"Falls: {len(self.falling):,} of {own:,} blocks"
             return f"Falls: block '{self.falling_names[0]}'" if self.falling else "Falls"
         if self.verdict is Verdict.UNDECIDED:

@@ -315,7 +315,9 @@ def test_inspect_lists_blocks_defects_and_contacts(tmp_path: Path, capsys: Capsy
     assert f"{len(arch())} blocks, 2 of them fixed" in out
     assert "--json lists all" in out
     assert main(["inspect", file(tmp_path, tower(2)), "--supports", "ground"]) == 0
-    assert "3 blocks, 1 of them fixed" in capsys.readouterr().out
+    out, _ = capsys.readouterr()
+    assert "2 blocks, 0 of them fixed" in out
+    assert "· 2 blocks ·" in out
 
 
 def test_inspect_sweeps_the_gap_and_draws_what_was_missed(tmp_path: Path, capsys: Capsys) -> None:
@@ -469,3 +471,16 @@ def test_ground_that_is_laid_is_no_block_of_the_answer(tmp_path: Path, capsys: C
     wish = ("--supports", "ground", "--kind", "thicker", "--apply", "1", "--out", out)
     _, told = answer(capsys, "mend", thin, *wish)
     assert "its 'ground' is the plane that supports lay, no block to build" in told["notes"]
+    assert told["asked"]["blocks"] == 11
+    assert f"{falls!r}".count("11 blocks") == 1
+    for kept in ("kept.obj", "kept.json"):  # the second one stores supports
+        wish = (str(tmp_path / kept), "--supports", "ground")
+        _, told = answer(capsys, "convert", thin, *wish)
+        assert told["blocks"] == 11
+        assert "its 'ground' is the plane that supports lay, no block to build" in told["sentences"]
+
+
+def test_many_supports_are_counted_and_the_first_are_named(tmp_path: Path, capsys: Capsys) -> None:
+    row = file(tmp_path, tower(5))
+    assert main(["check", row, "--supports", "block-[0-3]"]) == 0
+    assert "supports: 4 blocks: block-0, block-1, block-2, ... ·" in capsys.readouterr().out
