@@ -23,8 +23,7 @@ from drystone.base import units
 from drystone.base.arrays import number, of_type, refuse_many, whole
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
-from drystone.base.hints import beyond, documented, is_many, kinds_of, unmarked
-from drystone.base.progress import LongWork
+from drystone.base.hints import beyond, documented, hints_of, is_many, kinds_of, unmarked
 from drystone.base.settings import Options
 
 _ONLY_PYTHON = re.compile(r" (In Python|See) .*|; see (?:[^;.]|\.(?=\w))*")
@@ -199,7 +198,7 @@ def declared(of: Callable[..., Any]) -> Mapping[str, Declared]:
         known = {one.name: _default(one) for one in dataclasses.fields(of)}
     else:
         known = {name: one.default for name, one in inspect.signature(of).parameters.items()}
-        hints |= typing.get_type_hints(LongWork)
+        hints = hints_of(inspect.unwrap(of)) | hints
     return types.MappingProxyType(
         {
             name: Declared(name, hints.get(name, Any), default, **told.get(name, {}))

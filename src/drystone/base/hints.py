@@ -158,6 +158,16 @@ def beyond(value: float, ends: Mapping[str, float]) -> str:
     return "give a finite number" if value == np.inf else f"give {', '.join(said)}"
 
 
+def left_out(hint: Any) -> Any:
+    """What a keyword of a dictionary is when it is left out."""
+    kinds = [get_origin(one) or one for one in _parts(hint)]
+    if types.NoneType in kinds:
+        return None
+    if Literal in kinds:
+        return get_args(hint)[0]
+    return {bool: False, float: np.inf}.get(hint, ())
+
+
 def hint_of(function: Any, one: inspect.Parameter) -> Any:
     """The annotation of an argument; Any where it is known to a type checker only."""
     homes = reversed(function.__mro__) if isinstance(function, type) else (function,)

@@ -11,8 +11,9 @@ import math
 import time
 from collections.abc import Callable
 from concurrent.futures import Executor
-from typing import Any, TypeAlias, TypedDict
+from typing import Any, TypeAlias, TypedDict, get_type_hints
 
+from drystone.base.hints import left_out
 from drystone.base.workers import ExecutorFactory
 
 Progress: TypeAlias = Callable[[str, int, int], None]
@@ -140,18 +141,23 @@ def with_keywords(documentation: str | None) -> str | None:
     return "\n".join(lines)
 
 
-def with_parameters(signature: inspect.Signature) -> inspect.Signature:
-    """The signature of a function with the four keywords by their names."""
+def with_parameters(signature: inspect.Signature, keywords: Any) -> inspect.Signature:
+    """The signature of a function with its dictionary of keywords by their names.
+
+    Of ``**how``, the arguments of :func:`drystone.read`, those of long work only.
+    """
     *own, last = signature.parameters.values()
-    defaults = {name: math.inf if name == "time_limit_s" else None for name in KEYWORDS}
-    hints: dict[str, Any] = LongWork.__annotations__
-    four = [
+    named = LongWork if last.name == "how" else keywords
+    more = [
         inspect.Parameter(
-            name, last.KEYWORD_ONLY, default=default, annotation=hints[name].__forward_arg__
+            name,
+            last.KEYWORD_ONLY,
+            default=left_out(hint),
+            annotation=named.__annotations__[name].__forward_arg__,
         )
-        for name, default in defaults.items()
+        for name, hint in get_type_hints(named).items()
     ]
-    return signature.replace(parameters=[*own, *four, *([] if last.name == "work" else [last])])
+    return signature.replace(parameters=[*own, *more, *([last] if last.name == "how" else [])])
 
 
 def _section(lines: list[str], begin: int) -> int:

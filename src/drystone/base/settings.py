@@ -105,18 +105,20 @@ def checked_call(function: Callable[P, R]) -> Callable[P, R]:
             blame(function, given, named, error)
             raise
 
-    if _is_long(function, [*known.values()][-1]):
-        asked.__doc__ = with_keywords(function.__doc__)
-        asked.__signature__ = with_parameters(inspect.signature(function))  # type: ignore[attr-defined]
+    many = _many(function, [*known.values()][-1])
+    long = LongWork.__optional_keys__ <= getattr(many, "__optional_keys__", frozenset())
+    if long or "reading" in known:
+        asked.__doc__ = with_keywords(function.__doc__) if long else function.__doc__
+        shown = with_parameters(inspect.signature(function), many)
+        asked.__signature__ = shown  # type: ignore[attr-defined]
     return asked
 
 
-def _is_long(function: Any, last: inspect.Parameter) -> bool:
-    """Whether the keywords of long work are among those that a function takes by its last name."""
+def _many(function: Any, last: inspect.Parameter) -> Any:
+    """The dictionary that a function takes by its last name; None where there is none."""
     if last.kind is not last.VAR_KEYWORD:
-        return False
-    (many,) = get_args(hint_of(function, last)) or (None,)
-    return LongWork.__optional_keys__ <= getattr(many, "__optional_keys__", frozenset())
+        return None
+    return (get_args(hint_of(function, last)) or (None,))[0]
 
 
 def hold(room: dict[str, Any]) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import fields, replace
-from typing import Any, Literal, TypeAlias, Unpack
+from typing import Any, TypeAlias, Unpack, cast
 
 import numpy as np
 
@@ -24,7 +24,7 @@ from drystone.detection.resample import FEW
 from drystone.io.capacity_words import with_joint_capacity, with_strength
 from drystone.io.draft import Contents
 from drystone.io.load_options import Loads
-from drystone.io.registry import FileOptions, Unit, files_at, read_file
+from drystone.io.registry import FileOptions, files_at, read_file
 from drystone.io.several import Paths, digest_of, is_paths, place_of
 from drystone.joint_capacity import DRY
 from drystone.loads import LoadCase
@@ -82,42 +82,7 @@ _OF_THE_SEARCH = ("anyway", "detection", "gap", "angle", "edges", "density")
 
 
 @checked_call
-def read(
-    path: Paths,
-    *,
-    supports: str | Sequence[int | str] | GroundPlane | None = None,
-    friction: float | str | None = None,
-    density: float | None = None,
-    gravity: float | str | Sequence[float] | None = None,
-    load: Load | None = None,
-    case: str | Sequence[str] = (),
-    seismic: str | float | Sequence[float] | None = None,
-    shaken: bool = False,
-    joint_capacity: str | None = None,
-    strength: str | None = None,
-    tie: str | Sequence[str] = (),
-    gap: float | str | None = None,
-    angle: float | None = None,
-    edges: EdgeContacts | str | None = None,
-    detection: DetectionOptions | None = None,
-    ends: FlushEnds | str | None = None,
-    anyway: bool = False,
-    only: str | Sequence[str] = (),
-    without: str | Sequence[str] = (),
-    isolate: str | Sequence[str] = (),
-    crack: str | Sequence[str] = (),
-    units: Unit | None = None,
-    up: Literal["z", "y"] = "z",
-    split: bool = False,
-    repair: bool = False,
-    search: bool = False,
-    skip_defects: bool = False,
-    layers: Sequence[str] = (),
-    hidden: bool = False,
-    thickness: float | str | None = None,
-    max_size: float | None = None,
-    progress: Progress | None = None,
-) -> Model:
+def read(path: Paths, *, progress: Progress | None = None, **reading: Unpack[How]) -> Model:
     """Read a model that is ready to be checked.
 
     The command line, the JSON interface and the tools for programs have the same options, and so
@@ -237,31 +202,20 @@ def read(
     """
     if progress is not None:
         progress("read", 0, 2)
-    asked: How = {
-        "supports": supports, "friction": friction, "density": density,
-        "joint_capacity": joint_capacity, "strength": strength, "tie": tie, "ends": ends,
-        "anyway": anyway, "only": only, "without": without, "isolate": isolate, "crack": crack,
-        "search": search,
-    }  # fmt: skip
-    of_file: FileOptions = {
-        "units": units, "split": split, "repair": repair, "layers": layers, "hidden": hidden,
-        "thickness": thickness, "max_size": max_size, "up": up,
-    }  # fmt: skip
-    layer = supports if isinstance(supports, str) else None
-    contents = read_file(path, supports=layer, skip_defects=skip_defects, **of_file)
-    model = _model_of(
-        contents,
-        Loads(gravity, load, case, seismic, shaken),
-        tolerances(detection, gap, angle, edges),
-        asked,
-        progress,
+    given: dict[str, Any] = {key: reading[key] for key in How.__annotations__ if key in reading}  # type: ignore[literal-required]
+    supports, detection = reading.get("supports"), reading.get("detection")
+    layer, skip = (
+        supports if isinstance(supports, str) else None,
+        reading.get("skip_defects", False),
     )
-    given = {
-        **of_file, **asked, "up": None if up == "z" else up, "gravity": gravity, "case": case,
-        "seismic": seismic, "shaken": shaken, "gap": gap, "angle": angle, "edges": edges,
-        "skip_defects": skip_defects, **({} if detection is None else differing(detection)),
-    }  # fmt: skip
-    told = {name: _told(one) for name, one in given.items() if name != "max_size" and _says(one)}
+    of_file = {key: given[key] for key in FileOptions.__annotations__ if key in given}
+    contents = read_file(path, supports=layer, skip_defects=skip, **cast(FileOptions, of_file))
+    model = _model_of(contents, Loads.of(reading), _searched(reading), reading, progress)
+    if given.get("up") == "z":
+        del given["up"]
+    given |= {} if detection is None else differing(detection)
+    silent = ("load", "detection", "max_size")
+    told = {key: _told(one) for key, one in given.items() if key not in silent and _says(one)}
     origin = Origin(str(place_of(path)), digest_of(files_at(path)), told, contents.units)
     return replace(model, origin=origin)
 
@@ -388,6 +342,10 @@ def tolerances(
         return detection
     options = replace(DetectionOptions.of(detection), **chosen)
     return options if gap is None else options.with_gap(gap)
+
+
+def _searched(how: How) -> DetectionOptions | None:
+    return tolerances(how.get("detection"), how.get("gap"), how.get("angle"), how.get("edges"))
 
 
 def _coefficient(friction: float | str | None) -> float | None:
@@ -521,8 +479,7 @@ def as_model(given: Given, **how: Unpack[LongHow]) -> Model:
     loads = Loads.of(how)
     if not isinstance(given, Model):
         _refuse(how, _OF_FILES, "an assembly")
-        found = tolerances(how.get("detection"), how.get("gap"), how.get("angle"), how.get("edges"))
-        return _model_of(Contents(assembly_of(given)), loads, found, how)
+        return _model_of(Contents(assembly_of(given)), loads, _searched(how), how)
     _refuse(how, (*_OF_FILES, *_OF_THE_SEARCH), "a model")
     require_sound(given.assembly.blocks)
     return _changed(given, loads, how)
