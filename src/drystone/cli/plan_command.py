@@ -61,7 +61,9 @@ class PlanFiles(WithFilm):
     def of_turns(self, turns: Turns) -> Files:
         """The files of robots that take turns."""
         jobs, notes = self.of(turns)
-        return [*jobs, *self.models(turns.stage, len(turns.turns))], notes
+        stages = self.models(turns.stage, len(turns.turns))
+        held = "the block that is held is a support in its stage, so nothing is free in the first"
+        return [*jobs, *stages], [*notes, held] if stages else notes
 
     def all_of(
         self,

@@ -245,7 +245,8 @@ class AssemblyEnv(gymnasium.Env):  # type: ignore[misc]  # gymnasium is not ther
     a choice; :meth:`action` makes one. An observation is the state (n,) of each block to place: 0
     is not there, 1 in place, 2 held by a hand, 2 + r held by robot r. An episode ends when all are
     in place and none is held; or with a failure: a stage is not shown to stand, a block is placed
-    that cannot be, a robot holds more than it carries, or nothing can be placed any more.
+    that cannot be, a robot holds more than it carries (less may do), or nothing can be placed any
+    more.
 
     ``info`` has ``action_mask`` (a,), of the actions that are possible; after a step also
     ``verdict``, that of :func:`drystone.check` on what is in place, ``friction_left``,

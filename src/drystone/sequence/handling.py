@@ -172,7 +172,7 @@ class Hold(OneLine):
         Name of the block after whose placement it is released.
     force : (3,) [N]
     moment : (3,) [N m]
-        Largest force and moment of the hold, about the centroid.
+        Largest force and moment of the hold, about the centroid; less may hold it too.
     """
 
     name: str
@@ -226,7 +226,8 @@ class Handling(Answer):
     def sentences(self) -> Sequence[Sentence]:
         """How many blocks are placed, and what no robot can do."""
         role = Role.BAD if self.notes or not self.plan.stable else Role.GOOD
-        return [Sentence(self.title, role), *(Sentence(one, Role.REMARK) for one in self.notes)]
+        told = [*self.notes, *(["less than the forces of the holds may do"] if self.holds else [])]
+        return [Sentence(self.title, role), *(Sentence(one, Role.REMARK) for one in told)]
 
     def tables(self) -> Sequence[Table]:
         """The placements."""

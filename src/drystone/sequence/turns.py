@@ -53,7 +53,7 @@ class Turn(OneLine):
     force : (3,) [N]
     moment : (3,) [N m]
         Largest force and moment of the robot, about the centroid of the block: its weight while it
-        is carried, or what holds it if that is more.
+        is carried, or what holds it if that is more; less may hold it too.
     reached, carried
         Whether the robot reaches the block, and whether it can bear that force.
     """
@@ -148,7 +148,7 @@ class Turns(Answer):
         how = "each robot carries its block and holds it until the next one is in place"
         return [
             Sentence(self.title, self._role),
-            Sentence(f"{how}: its hold is the larger force of the two"),
+            Sentence(f"{how}: its hold is the larger force of the two; a smaller one may do"),
             Sentence(held if self.works else self.stopped or self._failure),
         ]
 
