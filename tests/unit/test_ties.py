@@ -56,7 +56,7 @@ def test_a_rod_holds_what_slides_up_to_its_strength() -> None:
     assert drystone.check(blocks, friction=0.5, tie="block:anchor").stable
     weak = drystone.check(blocks, friction=0.5, tie=f"block:anchor:{0.99 * needed}N")
     assert weak.falls
-    assert weak.message.startswith("ties yield: no contact forces within their strength")
+    assert weak.message.startswith("ties yield: no contact forces within the strength of its ties")
     assert "the tie of 'anchor' and 'block' yields most" in weak.message
     strong = drystone.check(blocks, friction=0.5, tie=f"block:anchor:{1.01 * needed / 1e3}kN")
     assert strong.stable
@@ -359,7 +359,7 @@ def test_ties_that_yield_are_proven_to_beyond_their_limit(tie: str, loads: dict[
         segmental_bridge(5.0, 1.5), friction=0.6, **{**loads, "load": load}, tie=tie
     )
     assert found.falls
-    assert found.message.startswith("ties yield")
+    assert found.message.endswith("yields most")
     assert found.mechanism is not None
     violation, power = mechanism_defects(found.model, found.mechanism)
     assert violation < 1e-5

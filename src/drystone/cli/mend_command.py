@@ -161,9 +161,9 @@ def _refuse(diagnose: bool, auto: bool, apply: int | None, out: Path | None) -> 
 def short(result: Result, waiting: Waiting) -> dict[str, Diagnosis]:
     """Why the heaviest regions of a result fall; nothing if nothing falls, or joints crush."""
     from drystone.design import DiagnosisOptions, diagnose  # as above
-    from drystone.stability.strength import CRUSHES, YIELDS
+    from drystone.stability.strength import WEAK
 
-    if not result.falls or result.message.startswith((CRUSHES, YIELDS)):
+    if not result.falls or WEAK in result.message:
         return {}
 
     few = DiagnosisOptions.brief()

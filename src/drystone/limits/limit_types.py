@@ -465,10 +465,13 @@ _Find: TypeAlias = Callable[[Assembly], Contacts] | None
 
 
 def modelled(friction: float, strength: str | None, find: _Find, assembly: Assembly) -> Model:
-    """The model of an assembly, with the contacts that are found or that a search finds."""
+    """The model of an assembly, with the contacts that are found or that a search finds.
+
+    A function draws what it means: blocks that are near do not touch.
+    """
     if find is not None:
         return Model(assembly, find(assembly))
-    model = Model.of(assembly, friction=friction, anyway=True)
+    model = replace(Model.of(assembly, friction=friction, anyway=True), unjoined=())
     return model if strength is None else with_strength(model, strength)
 
 

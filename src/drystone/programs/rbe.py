@@ -30,6 +30,7 @@ from drystone.solvers.program import ConicOptions, ConicProgram, ConicStatus
 from drystone.solvers.threads import one_blas_thread
 from drystone.stability.problem import Problem
 from drystone.stability.proofs import (
+    UNBALANCED,
     balanced,
     checked_mechanism,
     moving_blocks,
@@ -37,7 +38,6 @@ from drystone.stability.proofs import (
 )
 from drystone.stability.strength import carried, crushing_words
 from drystone.stability.touching_edges import unless_more_holds
-from drystone.stability.verdict import UNBALANCED
 
 BALANCE_TOLERANCE = 1e-6
 """Residual of forces that an interior point calls balanced: what it reaches on 10,000 blocks."""
@@ -317,7 +317,7 @@ def _within_strength(problem: Problem, options: RBEOptions, clock: Clock) -> Res
         verdict, message = Verdict.EQUILIBRIUM_EXISTS, BALANCED
     elif found.mechanism is not None:
         verdict = Verdict.UNSTABLE
-        message = crushing_words(problem.model, found)
+        message = crushing_words(problem.model, found.share, found.mechanism)
     return Result(
         method="rbe",
         verdict=verdict,

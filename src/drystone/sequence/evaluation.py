@@ -31,8 +31,7 @@ from drystone.sequence.checkpoint import Checkpoint
 from drystone.sequence.solving import PartSolver, combined
 from drystone.sequence.stages import Check, Stage, StageAnswer, StagedModel, mask_of, members
 from drystone.stability.attempts import Candidate
-from drystone.stability.proofs import FALLING_SHARE, MECHANISM_TOLERANCE
-from drystone.stability.verdict import UNBALANCED
+from drystone.stability.proofs import FALLING_SHARE, MECHANISM_TOLERANCE, UNBALANCED
 
 
 @dataclass(frozen=True, eq=False)

@@ -31,8 +31,9 @@ from drystone.stability import PATIENT, CheckOptions, Screening, check, try_rest
 from drystone.stability.asked import Asked
 from drystone.stability.attempts import Candidate
 from drystone.stability.problem import Problem
+from drystone.stability.proofs import UNBALANCED
 from drystone.stability.screening import SLIP_LENGTH
-from drystone.stability.verdict import UNBALANCED, decided
+from drystone.stability.verdict import decided
 
 
 class Stage(NamedTuple):

@@ -14,6 +14,8 @@ from drystone.mechanics.rest_state import RestState
 from drystone.results import Result, Samples, Verdict
 from drystone.stability.problem import Problem
 
+UNBALANCED = "no contact forces can balance the loads"
+
 MECHANISM_TOLERANCE = 1e-5
 """Largest closing of a gap in a claimed mechanism, by the speed of its blocks: ten times what the
 certificates of the interior point come to on slender overlaps. A first motion is blurred by the

@@ -10,7 +10,13 @@ import numpy as np
 from drystone.base.arrays import Floats
 from drystone.base.display import rounded_down
 from drystone.base.progress import Clock, Stop
-from drystone.checks import FORCE_TOLERANCE, Residuals, check_forces, crushed_most
+from drystone.checks import (
+    FORCE_TOLERANCE,
+    Residuals,
+    check_forces,
+    crushed_most,
+    crushing_share,
+)
 from drystone.formulations.corner_forces import FrictionCone
 from drystone.formulations.equilibrium import LoadFactors
 from drystone.model import Model
@@ -18,15 +24,10 @@ from drystone.results import Result, Verdict
 from drystone.solvers.program import ConicStatus
 from drystone.solvers.threads import one_blas_thread
 from drystone.stability.problem import Problem
-from drystone.stability.proofs import (
-    checked_mechanism,
-    moving_blocks,
-    undone,
-)
+from drystone.stability.proofs import UNBALANCED, checked_mechanism, moving_blocks, undone
 from drystone.ties import joint_words
 
-CRUSHES = "it crushes: no contact forces within the strength of its joints balance the loads"
-YIELDS = "ties yield: no contact forces within their strength balance the loads"
+WEAK = "no contact forces within the strength of"
 _REACHED = 0.999
 """Share of its strength from which a joint reaches it: forces are asked for that carry a thousandth
 more than all loads, so that they use less where they can."""
@@ -93,16 +94,23 @@ def crushing_factor(model: Model, *, most: int = 150, stop: Stop | None = None) 
     return found if 0.0 < found < np.inf else None
 
 
-def crushing_words(model: Model, found: Carried) -> str:
-    """How much of the loads is carried, why so little, and the joint that crushes most."""
-    stone = (model.contacts.crushes & ~model.contacts.ties).any()
-    words = f"{CRUSHES if stone else YIELDS}, only {rounded_down(found.share, 3):g} of them"
-    if (model.contacts.crushes & (model.contacts.area == 0.0)).any():
-        words += "; edges and corners have no area and carry nothing"
-    at = None if found.mechanism is None else crushed_most(model, found.mechanism)
+def crushing_words(model: Model, share: float, motion: Floats) -> str:
+    """How much of the loads is carried, why no more, and the joint that crushes most.
+
+    What falls with nothing crushed slides or turns. What crushing resists less
+    than weights do is not said to crush.
+    """
+    crushes = model.contacts.crushes
+    stone, at = (crushes & ~model.contacts.ties).any(), crushed_most(model, motion)
+    bare = (crushes & (model.contacts.area == 0.0)).any()
+    edges = "; edges and corners have no area and carry nothing" if bare else ""
     if at is None:
-        return words
+        return f"{UNBALANCED}; no {'joint crushes' if stone else 'tie yields'}{edges}"
+    words = f"{WEAK} its {'joints' if stone else 'ties'} balance the loads"
+    words += f", only {rounded_down(share, 3):g} of them{edges}"
     _, which, fails = joint_words(model.assembly, model.contacts, at)
+    if crushing_share(model, motion) > 0.5:
+        words = f"{'it crushes' if fails == 'crushes' else 'ties yield'}: {words}"
     return f"{words}; the {which} {fails} most"
 
 
@@ -136,7 +144,7 @@ def within_strength(problem: Problem, decide: Callable[[Model], Result], clock: 
     found = replace(found, iterations=found.iterations + most.iterations)
     if most.mechanism is not None:
         return replace(
-            undone(found, crushing_words(crushes, most)),
+            undone(found, crushing_words(crushes, most.share, most.mechanism)),
             verdict=Verdict.UNSTABLE,
             mechanism=most.mechanism,
             falling=moving_blocks(model.assembly, most.mechanism),

@@ -43,6 +43,7 @@ from drystone.stability.problem import (
     closing_blocks,
     unpressed,
 )
+from drystone.stability.proofs import UNBALANCED
 from drystone.stability.strength import within_strength
 from drystone.stability.touching_edges import unless_more_holds
 
@@ -57,7 +58,6 @@ ROUNDS = 3
 on three pebbles of 3e-16 of its weight stands after the second time."""
 
 FREELY = "nothing presses on the blocks that fall, so nothing holds them"
-UNBALANCED = "no contact forces can balance the loads"
 
 _Follow: TypeAlias = Callable[..., Settlement]
 
