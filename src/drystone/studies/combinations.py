@@ -101,15 +101,16 @@ class Combinations(Answer):
 
     def sentences(self) -> Sequence[Sentence]:
         """The same, the combination that governs, and what it needs."""
-        stands = all(one.stable for one in self.results)
         one, share = self.each[self.governs], self.needed[self.governs]
-        said = [Sentence(self.title, Role.GOOD if stands and not self.stopped else Role.BAD)]
-        said.append(Sentence(f"governs: {one.situation.name}: {one.words}"))
+        fallen = sum(not one.stable for one in self.results)
+        said = [Sentence(self.title, Role.BAD if fallen or self.stopped else Role.GOOD)]
+        first = f"the first of {fallen} that do not stand" if fallen > 1 else "governs"
+        said.append(Sentence(f"{first}: {one.situation.name}: {one.words}"))
         said.append(Sentence(f"there: {self.governing.title}"))
         if np.isfinite(share) and share > 0.0:
             cracked = ", its joints cracked" if self.governing.contacts.brittle else ""
             shares = " and ".join(
-                f"{np.ceil(1e3 * one[self.governs] - 1e-9) / 1e3:.1%} of the {_OF[of]}"
+                f"{max(0.0, np.ceil(1e3 * one[self.governs] - 1e-9)) / 1e3:.1%} of the {_OF[of]}"
                 for of, one in self.needs.items()
             )
             safety = rounded_down(1.0 / share)

@@ -225,6 +225,15 @@ def test_the_command_tells_the_combination_that_governs(
     assert "governs: EQU: 0.9 weight + 1.5 push" in capsys.readouterr().out
 
 
+def test_of_several_that_fall_none_is_said_to_govern(tmp_path: Path) -> None:
+    path = written(tmp_path, 'situations = ["EQU"]', WEIGHT, PUSH.format(20000))
+    found = combinations(tower(2), path, friction=2.0)
+    said = " ".join(one.text for one in found.sentences())
+    assert found.title.startswith("Does not stand in 2")
+    assert "the first of 2 that do not stand" in said
+    assert "governs" not in said
+
+
 def test_the_loads_of_the_cases_add_up_to_those_of_the_combination_that_governs(
     tmp_path: Path,
 ) -> None:
