@@ -170,10 +170,12 @@ def stands_up_to(family: Family, end: float, means: Means) -> bool:
     late, start = means.clock.late, None
     for value in np.linspace(0.0, end, means.options.scan + 1).tolist():
         found = evaluate(family, partial(one_stiffness, stop=late), (value, start))
+        start = found.displacement if found.stable else start
+        if value == end or not found.stable:
+            found = evaluate(family, partial(verdict, stop=late), (value, start))
         if not found.stable:
             return False
-        start = found.displacement
-    return evaluate(family, partial(verdict, stop=late), (end, start)).stable
+    return True
 
 
 def _inside(
