@@ -44,7 +44,7 @@ _PLANS = 8
 _METHOD = (
     "z points up. The normal force of a joint is positive in compression. Forces in joints act on "
     "block b; block a gets the opposite. Reactions act on the structure, loads on the block "
-    "that is named. Moments turn by the right-hand rule.",
+    "that is named, where their line enters it. Moments turn by the right-hand rule.",
     "Blocks are rigid and do not crack. Joints press, and carry friction by Coulomb's law with the "
     "coefficients under Materials; they pull and crush only where a capacity stands there. Ties "
     "pull, and go on pulling where they yield. Loads act once and slowly: there is no inertia, no "
@@ -238,7 +238,7 @@ def _loads(model: Model, first: Answer) -> Iterator[Part]:
     parts = list(_applied(model))
     yield from parts
     if not isinstance(parts[-1], Table):
-        yield "The model has no other load on a free block; a limit names those that it adds."
+        yield "The model has no other load on a free block; limits and cases name what they add."
     yield sketches.loads_picture(model)
     if isinstance(first, TrainEnvelope):
         train, fill = first.train, first.fill

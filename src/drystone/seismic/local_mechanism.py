@@ -305,7 +305,7 @@ class LocalMechanism(Answer):
             marks.append(Marks(MarkKind.LINE, *secant, "good", f"Ts = {self.secant_period:.3g} s"))
             ends = ((self.ultimate, "du*"),)
         if self.site is not None:
-            period = np.linspace(0.02, 4.0, 200)
+            period = np.linspace(0.0, 4.0, 201)
             spectrum = self.site.spectrum
             across = np.array([spectrum.displacement(one) for one in period])
             up = np.array([spectrum.acceleration(one) for one in period])
