@@ -189,7 +189,7 @@ def report(
         tuple[str, ...],
         Option(
             "A limit as behind 'drystone limit', such as 'tilt --axis y'; can be given several "
-            "times; none for none (those of friction and of the size of joints, of what stands)."
+            "times (those of friction, size of joints and strength follow; 'none' leaves them out)."
         ),
     ] = (),
     cases: Annotated[
@@ -217,10 +217,12 @@ def report(
         about = about.over(reports.TitleBlock.read(title_block))
     model = subject.prepared(waiting)
     waiting.stage("solve", "solving")
-    asked = None if not limit else [one for one in limit if one != "none"]
+    asked = [one for one in limit if one != "none"]
     with waiting.keywords(time_limit) as common:
         common.pop("executor")
-        answers = reports.assess(model, limits=asked, cases=cases, **common)
+        answers = reports.assess(
+            model, limits=asked, sensitivity="none" not in limit, cases=cases, **common
+        )
     first, *others = answers
     jobs: list[Job] = [(out, partial(reports.write_report, answers, about=about))]
     return Told(

@@ -21,6 +21,7 @@ from drystone.base.version import version
 from drystone.design import DiagnosisOptions, diagnose
 from drystone.io.opening import Given, How, supported_model
 from drystone.limits.bounds import with_margins
+from drystone.model import Model
 from drystone.report.document import Document, Heading, Part, Picture, Section, TitleBlock
 from drystone.report.joint_plans import plan_figure
 from drystone.report.report_pdf import pdf_of
@@ -211,16 +212,18 @@ def _part(part: Part) -> str:
     return f'<div class="plans">{"".join(map(plan_figure, part))}</div>'
 
 
-SENSITIVITY = ("friction --scaled", "shrink")
-"""Limits of what stands, if none are asked for: by which share friction and joints may shrink, and
-strengths where there are some."""
+def _varied(model: Model) -> tuple[str, ...]:
+    """Limits of what stands: to which share friction, joints, and strength may shrink."""
+    strength = () if model.contacts.capacity is None else ("strength",)
+    return "friction --scaled", "shrink", *strength
 
 
 @checked_call
 def assess(
     given: Given,
     *,
-    limits: Sequence[str] | None = None,
+    limits: Sequence[str] = (),
+    sensitivity: bool = True,
     cases: PathLike | None = None,
     options: CheckOptions | None = None,
     progress: Progress | None = None,
@@ -235,8 +238,9 @@ def assess(
     given
         A model; or an assembly or a file that ``how`` turns into one.
     limits
-        Each as behind ``drystone limit``, such as ``tilt --axis y`` or ``load keystone:1kN``; when
-        left out, those of friction and of the size of joints of what stands.
+        Each as behind ``drystone limit``, such as ``tilt --axis y`` or ``load keystone:1kN``.
+    sensitivity
+        Whether those of friction, size of joints and strength follow, of what stands.
     cases
         File of combinations; see :func:`drystone.studies.combinations`.
     options
@@ -250,13 +254,12 @@ def assess(
     Examples
     --------
     >>> from drystone.models import tower
-    >>> [one.title for one in assess(tower(2), limits=["tilt"], friction=0.6)]
+    >>> [one.title for one in assess(tower(2), limits=["tilt"], sensitivity=False, friction=0.6)]
     ['Stands', 'Stands up to 30.93 degrees about x']
     """
     model = supported_model(given, **how)
-    strength = () if model.contacts.capacity is None else ("strength",)
-    varied = (*SENSITIVITY, *strength) if limits is None else limits
-    asked = [limit_of_words(words, model) for words in varied]
+    varied = _varied(model) if sensitivity else ()
+    asked, more = ([limit_of_words(words, model) for words in some] for some in (limits, varied))
     if cases is not None:
         read_combinations(cases, model)  # refused before the work
     clock = Clock(time_limit_s, stop)
@@ -266,8 +269,9 @@ def assess(
     if result.falls:
         brief = DiagnosisOptions.brief()
         answers.append(diagnose(result.model, result=result, options=brief, stop=clock.late))
-    if result.stable or limits is not None:
-        answers += [one(model, late) for one in asked]
+    answers += [one(model, late) for one in asked]
+    if result.stable:
+        answers += [one(model, late) for one in more]
     if cases is not None:
         answers.append(combinations(model, cases, **late))
     return answers

@@ -47,7 +47,7 @@ def bridge(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def answers(bridge: Path) -> list[Answer]:
     model = drystone.read(bridge, friction=0.7, load="voussoir-02:0.3kN")
     model = replace(model, notes=("it is 440 m across: is the unit right (--units cm)?",))
-    return assess(model, limits=["load seismic:1,0"])
+    return assess(model, limits=["load seismic:1,0"], sensitivity=False)
 
 
 @pytest.fixture(scope="module")
@@ -143,12 +143,12 @@ def test_the_same_commands_give_the_same_bytes_but_for_the_date(
 def test_the_first_page_has_the_margin_the_earth_and_the_law_of_mortar() -> None:
     earth = "earth:side=-x,weight=18kN/m3,k=0.33,surcharge=5kPa"
     capacity = "tension=0.05MPa"
-    answers = assess(tower(2), limits=[], friction=0.6, load=earth, joint_capacity=capacity)
+    answers = assess(tower(2), sensitivity=False, friction=0.6, load=earth, joint_capacity=capacity)
     document = document_of(answers, TitleBlock())
     page = repr([section.parts for section in document.sections[:2]])
     for told in ("surcharge 5 kPa", "brittle"):
         assert told in page
-    dry = document_of(assess(tower(2), limits=[], friction=0.6), TitleBlock())
+    dry = document_of(assess(tower(2), sensitivity=False, friction=0.6), TitleBlock())
     assert any("Safety: forces balance a tilt" in str(one) for one in dry.sections[0].parts)
     assert "." not in dry.sections[0].parts
 
@@ -513,5 +513,15 @@ def test_reports_of_other_commands_have_a_title_block_too(bridge: Path, tmp_path
 
 def test_what_falls_within_the_strength_of_its_joints_has_a_report() -> None:
     bridge = segmental_bridge(5.0, 1.5)
-    found = assess(bridge, limits=[], joint_capacity="compression=5MPa", load="voussoir-08:300kN")
+    found = assess(
+        bridge, sensitivity=False, joint_capacity="compression=5MPa", load="voussoir-08:300kN"
+    )
     assert [type(one) for one in found] == [drystone.Result, drystone.design.Diagnosis]
+
+
+def test_what_stands_has_its_sensitivity_beside_the_limits_that_are_asked() -> None:
+    found = [one.title for one in assess(tower(2), limits=["tilt"], friction=0.6)]
+    assert len(found) == 4
+    assert "friction" in found[2]
+    assert "size of the joints" in found[3]
+    assert len(assess(tower(2), limits=["tilt"], friction=0.3, seismic=(0.4, 0.0))) == 3  # falls
