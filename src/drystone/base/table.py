@@ -204,10 +204,9 @@ class Table(OneLine):
         """All rows for people, below the title."""
         heads, rows = self.cells()
         head = "".join(f"<th>{html.escape(name)}</th>" for name in heads)
-        body = "".join(
-            f"<tr>{''.join(f'<td>{name_text(cell, 4 * NAME)}</td>' for cell in row)}</tr>"
-            for row in rows
-        )
+        most = [4 * NAME if name == "load" else NAME for name in heads]  # words, and names
+        cells = [map(name_text, row, most) for row in rows]
+        body = "".join(f"<tr><td>{'</td><td>'.join(row)}</td></tr>" for row in cells)
         return (
             f"<table><caption>{html.escape(self.title)}</caption>"
             f"<thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
