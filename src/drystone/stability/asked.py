@@ -71,6 +71,8 @@ class Asked:
         Whether some forces are known to balance the loads.
     stage
         What is being calculated.
+    explains
+        Whether it is looked for what would make it stand; it changes no verdict.
     """
 
     problem: Problem
@@ -84,6 +86,7 @@ class Asked:
     steps: int = 0
     balances: bool = False
     stage: str = "rest state"
+    explains: bool = True
 
     def report(self, stage: str, done: int) -> None:
         """Say what is calculated next."""

@@ -28,7 +28,11 @@ from drystone.stability.proofs import (
 )
 
 
-def unless_more_holds(found: Result, check: Callable[[Model], Result]) -> Result:
+def unless_more_holds(
+    found: Result,
+    check: Callable[[Model], Result],
+    falls: Callable[[Model], Result] | None = None,
+) -> Result:
     """The result as it is, or that with what touches or is near and may hold what falls.
 
     Parameters
@@ -36,6 +40,8 @@ def unless_more_holds(found: Result, check: Callable[[Model], Result]) -> Result
     found
     check
         Gives the verdict on the same model with more contacts, and asks this of it as well.
+    falls
+        The same where only a verdict of falling is used, and words on what stands are not.
     """
     held = _unless_edges_hold(found, check)
     if held is not found or found.verdict is not Verdict.UNSTABLE:
@@ -46,7 +52,7 @@ def unless_more_holds(found: Result, check: Callable[[Model], Result]) -> Result
         return found
     if model.contacts.dry.all() or not near:
         # what moves although these are held moves without them too
-        even_so = check(_with_all_held(model, near, meet))
+        even_so = (falls or check)(_with_all_held(model, near, meet))
         if even_so.verdict is Verdict.UNSTABLE:
             return replace(even_so, model=model, force_with_props=None)  # of more contacts
     if len(meet):

@@ -135,14 +135,14 @@ def decided(
             return with_brittle_mortar(problem.model, other, asked.clock)
         return within_strength(problem, other, asked.clock)
 
-    def touching(model: Model) -> Result:
+    def touching(model: Model, explains: bool = asked.explains) -> Result:
         """The verdict on the same blocks with more contacts."""
-        more = Asked(Problem.build(model), asked.options, asked.clock)
+        more = Asked(Problem.build(model), asked.options, asked.clock, explains=explains)
         return decided(more)
 
     with WorkerPool(asked.clock.workers) as pool:
         found = _decided(asked, pool, near, rest)
-    return unless_more_holds(found, touching)
+    return unless_more_holds(found, touching, partial(touching, explains=False))
 
 
 @one_blas_thread()
@@ -220,7 +220,7 @@ def _free_fall(asked: Asked, words: str) -> Result | None:
         return None
     others = problem.without(falling)
     if others is not None:
-        part = decided(Asked(others, asked.options, asked.clock))
+        part = decided(Asked(others, asked.options, asked.clock, explains=False))
         asked.steps += part.iterations
         if not part.stable:
             return None
@@ -332,7 +332,7 @@ def _with_longer_faces(
     """The same, saying how long faces have to be with stiffer joints along them too."""
     stiff = asked.options.stiff_shear
     told = said_longer(*found.paths)
-    if stiff is not None and not asked.clock.late():
+    if stiff is not None and asked.explains and not asked.clock.late():
         carrier = next(one.carrier for one in found.paths if one.outcome is Outcome.RESTS)
         other = follow(options=replace(options, tangential=stiff, carrier=carrier))
         asked.steps += other.iterations
@@ -367,6 +367,8 @@ def _taken_to_stand(
     Each is the least of a few that were followed. How many are is chosen, and that the search ends
     after three times the Newton steps of the two motions.
     """
+    if not asked.explains:
+        return ""
     model, late = asked.problem.model, asked.clock.late
     left = 3 * sum(way.iterations for way in ways.values())
 
