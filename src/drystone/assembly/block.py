@@ -220,12 +220,13 @@ def require_sound(blocks: Sequence[Block], simple: Bools | None = None) -> None:
     """
     if simple is not None:
         _SOUND.update(blocks[i] for i in np.flatnonzero(simple).tolist())
-    for one in blocks:
-        if one.checked and one not in _SOUND and separate_parts(one.vertices, one.faces)[1]:
+    new = [one for one in blocks if one.checked and one not in _SOUND]
+    for one in new:
+        if separate_parts(one.vertices, one.faces)[1]:
             raise InputError(
                 "a shell of it is inside out: what lies in it counts twice, or is missing",
                 where=f"block '{one.name}'",
                 remedy="turn the faces of that shell",
             )
-    for _, error in self_touching(blocks):
+    for _, error in self_touching(new) if new else ():
         raise error

@@ -183,17 +183,26 @@ def near_edges(model: Model, moving: Bools) -> tuple[Missed, ...]:
 
     They were not searched where both blocks have faces that touch others.
     """
-    touching = further_of(model)
-    if touching is None or model.report is None:
+    if further_of(model) is None or model.report is None:
         return ()
-    patches, options, count = kept_patches_of(model.assembly), model.report.options, len(model)
-    a, b = near_blocks(patches, options)
-    every = (model.contacts, touching.contacts, touching.parallel)
+    pairs = _apart(model.assembly, model.contacts, model.report.options)
+    some = moving[pairs[:, 0]] | moving[pairs[:, 1]]
+    for one in model.unjoined:
+        some[(pairs == [one.block_a, one.block_b]).all(axis=1)] = False
+    chosen = pairs[some].T.tobytes()
+    return _missed(model.assembly, chosen, model.report.options) if some.any() else ()
+
+
+@lru_cache(maxsize=8)
+def _apart(assembly: Assembly, contacts: Contacts, options: DetectionOptions) -> Ints:
+    """Pairs (p, 2) of blocks that are near and touch nowhere."""
+    touching, count = further_contacts(assembly, contacts, options), len(assembly)
+    a, b = near_blocks(kept_patches_of(assembly), options)
+    every = (contacts, touching.contacts, touching.parallel)
     known = [np.sort(np.stack([each.block_a, each.block_b], axis=1), axis=1) for each in every]
-    near = [[[one.block_a, one.block_b]] for one in model.unjoined]
-    low, high = np.concatenate([*known, touching.corners, *near]).T
-    some = (moving[a] | moving[b]) & ~np.isin(a * count + b, low * count + high)
-    return _missed(model.assembly, np.stack([a[some], b[some]]).tobytes(), options)
+    low, high = np.concatenate([*known, touching.corners]).T
+    apart = ~np.isin(a * count + b, low * count + high)
+    return np.stack([a[apart], b[apart]], axis=1)
 
 
 @lru_cache(maxsize=8)

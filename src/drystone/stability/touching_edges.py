@@ -135,9 +135,10 @@ def may_touch_more(model: Model) -> bool:
 
 def _with_lines(found: Result, more: Contacts, moving: Bools) -> Model | None:
     """The model with those of moving blocks (n,), where they may hold what falls."""
-    more = more.select(moving[more.block_a] | moving[more.block_b])
-    if not len(more):
+    some = moving[more.block_a] | moving[more.block_b]
+    if not some.any():
         return None
+    more = more.select(some)
     model, motion = found.model, found.mechanism
     more = more.with_friction(least_friction(model, more))
     free = motion is not None and mechanism_defects(model.with_contacts(more), motion)
