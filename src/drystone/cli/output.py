@@ -15,6 +15,8 @@ from drystone.base.errors import InputError, MissingDependency, clean
 BAD_INPUT, MISSING, FAULT, INTERRUPTED, CLOSED = 2, 3, 70, 130, 141
 """Exit codes of errors, and after Ctrl-C; the last one where nobody reads stdout, as where SIGPIPE
 ends a program."""
+PIPED = 120
+"""Letters of a line of a table that is read from a pipe or a file."""
 LISTED = 20
 """Rows of a table that are printed; --json has all."""
 
@@ -32,7 +34,8 @@ class Screen:
     def __init__(self) -> None:
         from rich.console import Console  # slow to import
 
-        self._console = Console(highlight=False, soft_wrap=True)
+        width = None if sys.stdout.isatty() or "COLUMNS" in os.environ else PIPED
+        self._console = Console(width=width, highlight=False, soft_wrap=True)
 
     def line(self, text: str, head: str = "", style: str = "bold", gap: str = "  ") -> None:
         """A line, with a coloured word before it."""
