@@ -10,6 +10,8 @@ import pytest
 # The tests run side by side: threads of linear algebra would only wait for each other.
 for threads in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(threads, "1")
+for size in ("COLUMNS", "LINES"):  # of the terminal of who runs them: tables would depend on it
+    os.environ.pop(size, None)
 
 if sys.dont_write_bytecode:
     # Each process that a test starts would compile all that it imports, and each run once more:
