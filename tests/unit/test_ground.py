@@ -7,7 +7,7 @@ from drystone import Assembly, InputError, Model, check
 from drystone.answer.drawing import load_layers
 from drystone.loads import Earth, Fill, LoadCase
 from drystone.loads.fill import Tops
-from drystone.models import segmental_bridge, tower
+from drystone.models import dome, segmental_bridge, tower
 from drystone.models.simple import box
 from drystone.models.solids import prism
 from drystone.report.sketches import dimensions_picture
@@ -48,12 +48,55 @@ def test_fill_presses_at_the_third_of_a_slope_that_faces_any_way(angle: float) -
     c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
     turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
     block = prism([(0.0, 0.0), (3.0, 0.0), (2.0, 2.0), (0.0, 2.0)], (0.0, 1.0), "block")
-    turned = Assembly([block]).transformed(turn)
+    behind = box((1.0, 1.0, 2.0), (-1.0, 0.0, 0.0), "behind")
+    turned = Assembly([block, behind], [False, True]).transformed(turn)
     wrench = Fill(cover=0.0, weight=18e3, k=0.5).on(turned).wrench[0]
     force = np.array([-18e3, 0.0, -18e3])
     place = np.array([3.0 - 1.0 / 3.0, 0.5, 2.0 / 3.0]) - block.centroid
     assert wrench[:3] == pytest.approx(turn @ force, abs=1e-6)
     assert wrench[3:] == pytest.approx(turn @ np.cross(place, force), abs=1e-6)
+
+
+def test_fill_presses_the_backs_of_abutments_as_rankine_says() -> None:
+    """``K w (H^2 - h^2) / 2`` of each half, from the road to the fixed course, however it steps."""
+    bridge = segmental_bridge(8.0, 2.0, 0.5, 24, width=2.0, height=4.0)
+    load = Fill(cover=0.4, weight=2e4, k=0.3).on(bridge)
+    deep = 2.0 + 0.5 + 0.4 - bridge.bounds[0, 1, 2]
+    left = ~bridge.fixed & (bridge.centroid[:, 0] < 4.0)
+    thrust = 2.0 * 0.3 * 2e4 * (deep**2 - 0.4**2) / 2.0
+    assert load.wrench[left, 0].sum() == pytest.approx(thrust, rel=1e-9)
+    assert load.wrench[:, 0].sum() == pytest.approx(0.0, abs=1e-6)
+    low = bridge.indices(["springer-left-1"])[0]
+    mean = 0.3 * 2e4 * 2.0 * (deep - 0.5)  # of a course of 1 m
+    assert load.wrench[low, 0] == pytest.approx(mean)
+    assert load.wrench[low, 4] == pytest.approx(-0.3 * 2e4 * 2.0 / 12.0)  # its middle is deeper
+    assert load.notes == (
+        "fill acts on upright faces of springer-left-1, springer-left-2 and 6 more, also at the "
+        "ends, as if the road went on",
+    )
+    field = load.surface
+    assert field is not None
+    assert np.abs(field.traction[field.block == low, :, 0]).max() == pytest.approx(6e3 * deep)
+
+
+def test_fill_presses_steps_and_walls_beside_it_but_not_what_is_covered_or_outside() -> None:
+    """A step, a face below an overhang, and two spandrel walls of 2 m with fill between them."""
+    sizes = (4.0, 3.0, 2.0, 3.0)
+    steps = [box((x, 1.0, 1.0), (0.0, 0.0, i), f"{i}") for i, x in enumerate(sizes)]
+    push = Fill(cover=0.5, weight=2e4, k=0.5).on(Assembly(steps, [True, False, False, False]))
+    assert push.wrench[:, 0] == pytest.approx([0.0, 0.0, 0.5 * 2e4 * 2.0, 0.0], abs=1e-6)
+    walls = [box((4.0, 0.5, 2.0), (0.0, y, 1.0), f"y={y}") for y in (0.0, 2.5)]
+    low = box((4.0, 3.0, 1.0), name="low")
+    push = Fill(cover=0.0, weight=2e4, k=0.5).on(Assembly([low, *walls], [True, False, False]))
+    outwards = 0.5 * 2e4 * 2.0**2 / 2.0 * 4.0
+    assert push.wrench[1:, 1] == pytest.approx([-outwards, outwards])
+    assert push.wrench[1:, 3] == pytest.approx([-outwards / 3.0, outwards / 3.0])
+    resisting = Tops.of(Assembly(steps), Fill(0.5, 2e4, passive=3.0)).resisting
+    assert np.flatnonzero(resisting.any(axis=1)).tolist() == [2]
+
+
+def test_joints_along_meridians_of_a_dome_are_not_below_fill() -> None:
+    assert not Tops.of(dome(), Fill(0.4, 2e4, k=0.5)).upright
 
 
 def test_a_road_that_rises_adds_fill_at_one_end_and_takes_it_at_the_other() -> None:

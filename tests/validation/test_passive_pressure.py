@@ -59,10 +59,14 @@ def with_rods(model: Model, fill: Fill) -> Model:
 
 
 def against_fill() -> Model:
-    """A block of 1 m height with a slope of 45 degrees, below fill, on ground without friction."""
+    """A block of 1 m height with a slope of 45 degrees, below fill, on ground without friction.
+
+    A lid keeps the fill from its upright back.
+    """
     block = prism([(0.0, 0.0), (2.0, 0.0), (1.0, 1.0), (0.0, 1.0)], (0.0, 1.0), "block")
     base = box((6.0, 3.0, 0.5), (-2.0, -1.0, -0.5), "base")
-    blocks = Assembly((base, block), [True, False])
+    lid = box((2.0, 3.0, 0.1), (-2.0, -1.0, 1.0), "lid")
+    blocks = Assembly((base, block, lid), [True, False, True])
     model = Model.of(blocks, friction=0.0)
     return with_rods(model.with_load(model.load + FILL.on(blocks)), FILL)
 

@@ -9,7 +9,7 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 
 from drystone.assembly import Assembly
-from drystone.base.arrays import ROUNDING, Bools, Floats, Ints, frozen
+from drystone.base.arrays import ROUNDING, Bools, Floats, Ints, frozen, lengths
 from drystone.base.display import OneLine
 from drystone.base.errors import counted
 from drystone.geometry.triangulate import triangulate
@@ -21,10 +21,9 @@ _SHARE = np.array([5.0, 8.0, 5.0]) / 18.0
 
 
 class Spots(NamedTuple):
-    """Points of strips: t, r (p,) [m], and the slope (p, 2) of r along t and s."""
+    """Points (p, 3) [m] of strips, and the slope (p, 2) of r along t and s."""
 
-    t: Floats
-    r: Floats
+    point: Floats
     slope: Floats
 
 
@@ -66,8 +65,17 @@ class SeenStrips(OneLine):
         return f"{counted(len(self.block), 'strip')} of {blocks}"
 
     @classmethod
-    def of(cls, assembly: Assembly, axes: Floats) -> SeenStrips:
+    def of(
+        cls, assembly: Assembly, axes: Floats, sought: Callable[[SeenStrips], Bools] | None = None
+    ) -> SeenStrips:
         """Those of an assembly that no other block hides.
+
+        Parameters
+        ----------
+        assembly
+        axes : (3, 3)
+        sought
+            Which are meant; all when left out.
 
         Examples
         --------
@@ -98,24 +106,32 @@ class SeenStrips(OneLine):
         )
         extent = float(np.ptp(assembly.bounds.reshape(-1, 3), axis=0).max())
         least = ROUNDING * extent
-        made = made._chosen(
-            (made.t[:, 1] - made.t[:, 0] > least) & (made.width.max(axis=1) > least)
-        )
+        made = made.chosen((made.t[:, 1] - made.t[:, 0] > least) & (made.width.max(axis=1) > least))
+        if sought is not None:  # what lies beside all of them hides none
+            low, high = np.sort(made.t[sought(made)], axis=0).T
+            beside = np.searchsorted(low, made.t[:, 1]) <= np.searchsorted(
+                high, made.t[:, 0], "right"
+            )
+            made = made.chosen(~beside)
         places = np.unique(made.t)
-        made = made.cut_at(places[np.append(True, np.diff(places) > least)])
-        made = made._chosen(made.t[:, 1] - made.t[:, 0] > 2.0 * least)
-        return made._chosen(~_hidden(made, least))
+        made = made.cut_at(places[np.diff(places, prepend=-np.inf) > least])
+        made = made.chosen(made.t[:, 1] - made.t[:, 0] > 2.0 * least)
+        seen = made.chosen(~_hidden(made, least))
+        return seen if sought is None else seen.chosen(sought(seen))
 
-    def _chosen(self, which: Bools | Ints) -> SeenStrips:
+    @property
+    def normal(self) -> Floats:
+        """(m, 3), of length 1."""
+        towards = np.column_stack([-self.slope, np.ones(len(self.slope))]) @ self.axes
+        return np.asarray(towards / lengths(towards)[:, None])
+
+    def chosen(self, which: Bools | Ints) -> SeenStrips:
+        """Some of them."""
         return SeenStrips(
             self.axes,
             frozen(self.block[which]),
             *(frozen(one[which]) for one in (self.t, self.s, self.width, self.r, self.slope)),
         )
-
-    def of_blocks(self, blocks: Bools) -> SeenStrips:
-        """Those of some blocks (n,)."""
-        return self._chosen(blocks[self.block])
 
     def cut_at(self, places: Floats) -> SeenStrips:
         """The same strips, cut at places (c,) [m] along t."""
@@ -126,11 +142,11 @@ class SeenStrips(OneLine):
         inner = np.append(places, np.inf)
         low = np.where(rank == 0, self.t[own, 0], inner[first[own] + rank - 1])
         high = np.where(rank == count[own], self.t[own, 1], inner[first[own] + rank])
-        return self._chosen(own)._between(low, high)
+        return self.chosen(own)._between(low, high)
 
     def within(self, low: float, high: float) -> SeenStrips:
         """Their parts between two places [m] along t."""
-        inside = self._chosen((self.t[:, 0] < high) & (self.t[:, 1] > low))
+        inside = self.chosen((self.t[:, 0] < high) & (self.t[:, 1] > low))
         return inside._between(np.maximum(inside.t[:, 0], low), np.minimum(inside.t[:, 1], high))
 
     def _between(self, low: Floats, high: Floats) -> SeenStrips:
@@ -151,7 +167,7 @@ class SeenStrips(OneLine):
         low, high = np.full((2, len(first), 2), np.inf)
         np.minimum.at(low, group.ravel(), self.s - 0.5 * self.width)
         np.minimum.at(high, group.ravel(), -self.s - 0.5 * self.width)
-        one = self._chosen(first)
+        one = self.chosen(first)
         s = 0.5 * (low - high)
         r = one.r + one.slope[:, 1:] * (s - one.s)
         return SeenStrips(
@@ -159,15 +175,16 @@ class SeenStrips(OneLine):
         )
 
     def surface(self, assembly: Assembly, traction: Traction) -> SurfaceLoad:
-        """The traction along the middles of strips of free blocks, where it is not zero."""
-        mine = self._chosen(~assembly.fixed[self.block])._joined()
+        """Traction by area of the face along the middles of strips of free blocks, if not zero."""
+        mine = self.chosen(~assembly.fixed[self.block])._joined()
         steep = np.repeat(mine.slope, 2, axis=0)
         inside = np.eye(2) + 1e-6 * np.array([[-1.0, 1.0], [1.0, -1.0]])  # where levels end
-        t, r = ((one @ inside).ravel() for one in (mine.t, mine.r))
-        pressed = (traction(Spots(t, r, steep)) @ self.axes).reshape(-1, 2, 3)
         point = np.stack([mine.t, mine.s, mine.r], axis=2) @ self.axes
+        spots = Spots((inside @ point).reshape(-1, 3), steep)
+        by_area = (mine.normal @ self.axes[2])[:, None, None]
+        pressed = by_area * (traction(spots) @ self.axes).reshape(-1, 2, 3)
         some = pressed.any(axis=(1, 2))
-        wrench = self._chosen(~assembly.fixed[self.block]).wrenches(assembly, traction)
+        wrench = self.chosen(~assembly.fixed[self.block]).wrenches(assembly, traction)
         return SurfaceLoad(mine.block[some], point[some], pressed[some], wrench)
 
     def wrenches(self, assembly: Assembly, traction: Traction) -> Floats:
@@ -184,8 +201,8 @@ class SeenStrips(OneLine):
         area = 0.5 * width * np.diff(self.t) * _SHARE.repeat(2)
         s, r = s + beside, r + self.slope[:, 1:] * beside
         steep = np.repeat(self.slope, 6, axis=0)
-        force = area.reshape(-1, 1) * traction(Spots(t.ravel(), r.ravel(), steep)) @ self.axes
         point = np.stack([t.ravel(), s.ravel(), r.ravel()], axis=1) @ self.axes
+        force = area.reshape(-1, 1) * traction(Spots(point, steep)) @ self.axes
         block = np.repeat(self.block, 6)
         found = np.zeros((len(assembly), 6))
         np.add.at(found[:, :3], block, force)
@@ -206,8 +223,10 @@ def _hidden(strips: SeenStrips, least: float) -> Bools:
     order = np.argsort(t, kind="stable")
     ends = np.flatnonzero(np.diff(t[order]) > least) + 1
     hidden = np.zeros(len(t), dtype=bool)
+    across = strips.slope[:, 1]
     for here in np.split(order, ends):
-        over = r[here] > r[here][:, None] + least
-        beside = np.abs(s[here] - s[here][:, None]) < 0.5 * width[here] - least
+        away = s[here][:, None] - s[here]
+        over = r[here] + across[here] * away > r[here][:, None] + least
+        beside = np.abs(away) < 0.5 * width[here] - least
         hidden[here] = (over & beside).any(axis=1)
     return hidden
