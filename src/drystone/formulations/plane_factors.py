@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from scipy import sparse
 
-from drystone.base.arrays import ROUNDING, Floats, Ints, lengths
+from drystone.base.arrays import ROUNDING, Floats, Ints, lengths, plane_cross
 from drystone.formulations.corner_forces import FrictionCone
 from drystone.formulations.equilibrium import EquilibriumSolution, FactorSolution, LoadFactors
 from drystone.mechanics.statics import UNLIMITED, Statics
@@ -27,7 +27,8 @@ class PlaneFactors(LoadFactors):
     the plane those that are mirrored balance it too, and so does their mean.
 
     Where joints crush, the stress block of a rectangle is exact: with the forces p and q at its
-    edges and the strength S of the whole face it is (p + q)^2 <= 2 S min(p, q), two cones a joint.
+    edges and the strength S of what its corners enclose it is (p + q)^2 <= 2 S min(p, q), two cones
+    a joint. The corners of ties are drawn together.
 
     :meth:`of` tells whether it can be; a load out of the plane is left to the whole program.
     """
@@ -103,8 +104,7 @@ class PlaneFactors(LoadFactors):
 
 
 def _beyond_friction(statics: Statics) -> bool:
-    held = statics.tension.any() or statics.cohesion.any()
-    return bool(held or (statics.shear < UNLIMITED).any())
+    return bool((statics.tension + statics.cohesion).any() or (statics.shear < UNLIMITED).any())
 
 
 def _rows(matrix: Any) -> Ints:
@@ -153,9 +153,10 @@ def _faces(statics: Statics, pair: Ints) -> tuple[Ints, Floats] | None:
         return None
     corner = crushing.place.reshape(-1, 4, 2)
     side = np.roll(corner, -1, axis=1) - corner
-    area = lengths(side[:, 0]) * lengths(side[:, 1])
-    skew = np.abs(side[:, 0] + side[:, 2]).max(initial=0.0)
-    if skew > 1e-6 or (np.abs(area - 1.0) > 1e-6).any() or np.isnan(area).any():
+    area, length = plane_cross(side[:, 0], side[:, 1]), lengths(side)
+    bent = np.abs(length[:, 0] * length[:, 1] - area) > 1e-6 * area
+    skew = lengths(side[:, 0] + side[:, 2]) > 1e-6 * length[:, 0]
+    if (bent | skew | (area <= 0.0)).any():
         return None
     edges = np.sort(pair[crushing.corner].reshape(-1, 4), axis=1)[:, [0, 3]]
-    return edges, crushing.strength
+    return edges, crushing.strength * area
