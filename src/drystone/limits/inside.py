@@ -79,13 +79,20 @@ class Means:
         self.clock.tell(stage, done, 3)
 
 
-def bisected(family: Family, start: float, end: float, width: float, means: Means) -> Limit:
-    """A limit whose convex bound is found by bisection; ``width`` is the default one."""
+def bisected(
+    family: Family,
+    start: float,
+    end: float,
+    width: float,
+    means: Means,
+    found_by: Callable[..., Bracket] = bisected_bound,
+) -> Limit:
+    """A limit whose convex bound is found by bisection, or otherwise; ``width`` is the default."""
     chosen = width if means.options.width is None else means.options.width
 
     def bound(stop: Stop) -> tuple[Bracket, float]:
         cone = means.options.cone
-        return bisected_bound(family, start, end, width=chosen, cone=cone, stop=stop), chosen
+        return found_by(family, start, end, width=chosen, cone=cone, stop=stop), chosen
 
     return searched(family, start, end, bound, means)
 

@@ -20,10 +20,11 @@ from drystone.base.errors import InputError
 from drystone.base.progress import Clock, LongWork
 from drystone.base.settings import checked_call
 from drystone.contacts import Contacts
+from drystone.formulations.equilibrium import FactorSolution
 from drystone.geometry.frames import LEVEL_AXES, axis_vector
 from drystone.io.load_options import grown
 from drystone.io.opening import Given, LongHow, supported_model
-from drystone.limits.bounds import load_factor_bound, tilt_bound, tilt_factor
+from drystone.limits.bounds import friction_bound, load_factor_bound, tilt_bound, tilt_factor
 from drystone.limits.inside import MANY, Means, bisected, searched, stands_up_to
 from drystone.limits.limit_answer import Limit
 from drystone.limits.limit_types import (
@@ -92,23 +93,25 @@ def limit_tilt(
     if axis is not None:
         return tilt_limit(Tilt(model, axis_vector(axis)), upper, means)
     families = [Tilt(model, np.array(one)) for one in LEVEL_AXES.values()]
+    known: dict[Tilt, FactorSolution] = {}
     asks = check is None and not means.options.equilibrium_only
     if asks and model.contacts.corner_count <= MANY:
         means.tell("limit of equilibrium", 0)
-        about_x, about_y = (
-            tilt_factor(one, means.options.cone, means.clock.late) for one in families[::2]
-        )
+        known = {
+            one: tilt_factor(one, means.options.cone, means.clock.late) for one in families[::2]
+        }
+        about_x, about_y = (one.factor for one in known.values())
         if about_y < (1.0 - _SHARE) * about_x:
             families = families[2:] + families[:2]
     first, *others = families
-    limit = tilt_limit(first, upper, means)
+    limit = tilt_limit(first, upper, means, known.get(first))
     for family in others:
         last = limit.best.stands
         if not last or limit.stopped:
             break
         if asks and stands_up_to(family, last, means):
             continue
-        found = tilt_limit(family, last, means)
+        found = tilt_limit(family, last, means, known.get(family))
         if found.stopped:
             limit = replace(limit, stopped=found.stopped)
         elif not found.capped:
@@ -119,8 +122,10 @@ def limit_tilt(
     return replace(limit, quantity=replace(quantity, remark=remark))
 
 
-def tilt_limit(family: Tilt, upper: float, means: Means) -> Limit:
-    """As :func:`limit_tilt`."""
+def tilt_limit(
+    family: Tilt, upper: float, means: Means, first: FactorSolution | None = None
+) -> Limit:
+    """As :func:`limit_tilt`; ``first`` as in :func:`drystone.limits.bounds.tilt_bound`."""
     chosen = means.options
     last = number(upper, "the largest angle")
     if not 0.0 < last <= 360.0:
@@ -131,7 +136,7 @@ def tilt_limit(family: Tilt, upper: float, means: Means) -> Limit:
         0.0,
         last,
         lambda stop: (
-            tilt_bound(family, last, width=width, cone=chosen.cone, stop=stop),
+            tilt_bound(family, last, width=width, cone=chosen.cone, stop=stop, first=first),
             width,
         ),
         means,
@@ -169,7 +174,7 @@ def limit_friction(
     start = largest if upper is None else number(upper, "the largest friction")
     if start <= 0.0:
         raise InputError(f"the largest friction is {start}", remedy="give a number above zero")
-    return bisected(family, start, 0.0, 1e-3, means)
+    return bisected(family, start, 0.0, 1e-3, means, friction_bound)
 
 
 @checked_call

@@ -43,6 +43,7 @@ BALANCE_TOLERANCE = 1e-6
 """Residual of forces that an interior point calls balanced: what it reaches on 10,000 blocks."""
 
 BALANCED = "some contact forces balance the loads"
+NEAREST = "nearest mechanism by interior points"
 
 STEEP = 1e3
 """Friction coefficient above which forces are also sought in the cone of this one: far above that
@@ -365,7 +366,7 @@ def _nearest(problem: Problem, options: RBEOptions, clock: Clock) -> Result | No
         falling=() if mechanism is None else moving_blocks(problem.model.assembly, mechanism),
         residuals=residuals,
         options=options,
-        solver="nearest mechanism by interior points",
+        solver=NEAREST,
         iterations=found.iterations,
         time_s={"solve": clock.elapsed_s},
     )

@@ -22,6 +22,7 @@ from drystone import (
     solve_rbe,
 )
 from drystone.answer import Role
+from drystone.formulations.nearest_mechanism import NearestMechanism, nearest_mechanism
 from drystone.limits import (
     Bracket,
     Evaluation,
@@ -42,6 +43,7 @@ from drystone.limits import (
     thrust_bounds,
     tilt_sweep,
 )
+from drystone.mechanics.statics import Statics
 from drystone.model import Model
 from drystone.models import arch, concave, h_model, incline, tower, wall, wedge
 from drystone.report import assess
@@ -474,6 +476,32 @@ def test_a_least_friction_does_not_depend_on_the_largest() -> None:
     assert near.falls is not None
     assert far.stands == pytest.approx(near.stands, abs=4e-2)
     assert far.falls == pytest.approx(near.falls, abs=4e-2)
+
+
+def test_a_least_friction_takes_few_programs(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked = []
+
+    def counted(statics: Statics, **how: Any) -> NearestMechanism:
+        asked.append(statics)
+        return nearest_mechanism(statics, **how)
+
+    for module in ("drystone.limits.bounds", "drystone.programs.rbe"):
+        monkeypatch.setattr(f"{module}.nearest_mechanism", counted)
+    column = tower(2)
+    for model, upper, expected in (
+        (
+            Model.of(column, load=LoadCase.tilt(column, (0.0, 1.0, 0.0), 10.0)),
+            0.9,
+            np.tan(np.pi / 18),
+        ),
+        (Model.of(arch(0.15), friction=0.9), 0.9, 0.3516),
+    ):
+        asked.clear()
+        bound = limit_friction(
+            model, upper=upper, options=LimitOptions(equilibrium_only=True)
+        ).equilibrium
+        assert bound.falls < expected < bound.stands < bound.falls + 1.001e-3
+        assert len(asked) <= 5
 
 
 def test_a_finer_bracket_keeps_the_islands_that_were_found_beyond_it() -> None:
