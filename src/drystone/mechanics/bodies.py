@@ -17,6 +17,7 @@ import numpy as np
 from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Floats, Ints, cross, lengths
 from drystone.geometry.polyhedron import fan_triangles
+from drystone.joints import SWAY
 from drystone.mechanics.corners import Carrier, Ends, joint_ends
 from drystone.mechanics.law import Compliance, FrictionBound, StickSlip
 from drystone.mechanics.roles import as_turned, turned_joints
@@ -153,7 +154,7 @@ def build_bodies(
         Distance of each corner from the faces of a and b at the beginning, along n; left out, they
         touch.
     """
-    assembly, contacts = model.assembly, model.contacts
+    assembly, contacts, joint = model.assembly, model.contacts, model.contacts.interface
     free = assembly.free
     slot = np.full(len(assembly), -1, dtype=np.intp)
     slot[free] = np.arange(len(free))
@@ -167,21 +168,24 @@ def build_bodies(
     load = np.concatenate([wrench[:, :3], wrench[:, 3:] / (length * radius[free, None])], axis=1)
     strength = np.linalg.norm(load[:, :3], axis=1) + np.linalg.norm(load[:, 3:], axis=1)
     unit = float(strength.mean()) if strength.any() else 1.0
-    turned = turned_joints(model)[contacts.interface]
-    a, b = contacts.block_a[contacts.interface], contacts.block_b[contacts.interface]
+    turned = turned_joints(model)[joint]
+    a, b = contacts.block_a[joint], contacts.block_b[joint]
     a, b = np.where(turned, b, a), np.where(turned, a, b)
     point = (contacts.point - origin) / length
+    middle = contacts.corners.sum(point) / contacts.corners.counts[:, None]
+    out = point - middle[joint]
+    point += SWAY * out / np.maximum(lengths(out), 1e-300)[:, None]
     mass = assembly.mass[free]
     away = np.zeros((len(point), 2)) if gap is None else gap
     ends = as_turned(joint_ends(assembly, contacts, carrier, away), turned)
     away = np.where(turned[:, None], away[:, ::-1], away)
-    frame = contacts.frame[contacts.interface]
+    frame = contacts.frame[joint]
     frame = np.where(turned[:, None, None], TURNED[:, None] * frame, frame)
     n = frame[:, 0]
-    of_face = contacts.area[contacts.interface] * contacts.corner_share
-    plates = contacts.ties[contacts.interface]
+    of_face = contacts.area[joint] * contacts.corner_share
+    plates = contacts.ties[joint]
     area = np.where(plates, of_face, contacts.tributary)
-    stiffness = _weights(area, contacts.interface)
+    stiffness = _weights(area, joint)
     touching = ~away.any(axis=1)
     # all corners that touch carry the whole load together at the overlap; all, where none touches
     carrying = stiffness[touching].sum() if touching.any() else stiffness.sum()
@@ -204,10 +208,10 @@ def build_bodies(
         ends=ends._replace(
             reach=ends.reach / length, place=ends.place / length, drawn=ends.drawn / length
         ),
-        friction=contacts.friction[contacts.interface],
+        friction=contacts.friction[joint],
         normal=stiffness,
         tangential=tangential * stiffness,
-        most=contacts.tie_strength[contacts.interface] * contacts.corner_share / unit,
+        most=contacts.tie_strength[joint] * contacts.corner_share / unit,
         overlap=overlap,
         length_unit=length,
         force_unit=unit,

@@ -20,6 +20,7 @@ from drystone.base.units import quantity
 from drystone.geometry.quadrature import ACCURATE
 from drystone.joints import (
     FAINT,
+    SWAY,
     Resultants,
     ThrustLine,
     by_joint,
@@ -141,7 +142,8 @@ class Result(Solution, Answer):
         """What stands exactly above an edge."""
         joints, names = self.contacts.joints, self.assembly.names
         found, _ = by_joint(self.contacts, self.resultants, self.utilisation)
-        pairs = on_an_edge(self.assembly, joints, found)
+        near = SAME if self.settlement is None else 10.0 * SWAY
+        pairs = on_an_edge(self.assembly, joints, found, near)
         if not pairs:
             return []
         block, others = pairs[0]

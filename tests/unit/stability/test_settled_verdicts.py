@@ -383,3 +383,23 @@ def test_blocks_whose_weights_span_eight_decades_are_decided(seed: int) -> None:
     # not to the stiffness between joints: uniform springs show nothing beside such weights
     assert found.sensitive_to == (Sensitivity.WEIGHTS,)
     assert "sensitive to light blocks beside heavy ones" in found.message
+
+
+@pytest.mark.parametrize("torque", [0.2, 0.45, 0.6])
+@pytest.mark.parametrize(("over", "stands"), [(-1e-4, True), (0.0, True), (1e-4, False)])
+def test_an_end_brick_over_exactly_half_stands_whatever_is_followed_beside_it(
+    over: float, stands: bool, torque: float
+) -> None:
+    row = [box((0.4, 0.2, 0.2), (0.4 * i, 0.0, 0.0), f"brick {i}") for i in range(10)]
+    ground = box((4.0, 0.2, 0.2), (0.0, 0.0, -0.2), "ground")
+    end = box((0.4, 0.2, 0.2), (3.8 + over, 0.0, 0.2), "end")
+    assembly = Assembly((ground, *row, end), np.arange(12) < 1)
+    model = Model.of(assembly, friction=0.6)
+    load = np.array(model.load.wrench)
+    # eight bricks away one is turned up between its neighbours, [m] by its weight
+    load[2, 4] += torque * load[2, 2]
+    found = check(model.with_load(LoadCase(load)))
+    assert found.verdict is (Verdict.STABLE if stands else Verdict.UNSTABLE)
+    said = [one.text for one in found.margins() if "the margin is zero: 'end'" in one.text]
+    assert bool(said) == (over == 0.0)
+    assert (found.settlement is not None) == (stands and torque > 0.2)
