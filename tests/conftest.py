@@ -3,6 +3,7 @@
 import gc
 import os
 import sys
+from importlib.util import cache_from_source, find_spec
 from pathlib import Path
 
 import pytest
@@ -13,9 +14,16 @@ for threads in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
 for size in ("COLUMNS", "LINES"):  # of the terminal of who runs them: tables would depend on it
     os.environ.pop(size, None)
 
-if sys.dont_write_bytecode:
+PACKAGE = find_spec("drystone")
+if (
+    sys.dont_write_bytecode
+    and PACKAGE
+    and PACKAGE.origin
+    and not Path(cache_from_source(PACKAGE.origin)).exists()
+):
     # Each process that a test starts would compile all that it imports, and each run once more:
-    # they share a folder, beside what pytest keeps from one run to the next.
+    # they share a folder, beside what pytest keeps from one run to the next. A package that is
+    # installed is compiled already.
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
     kept = Path(__file__).parents[1] / ".pytest_cache" / "compiled"
     os.environ["PYTHONPYCACHEPREFIX"] = str(kept)

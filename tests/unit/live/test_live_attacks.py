@@ -277,11 +277,12 @@ def until_closed(live: Live) -> None:
 def test_a_call_that_takes_too_long_ends_and_the_next_is_answered(
     live: Live, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(helper, "POLL_S", 1e-6)
     calls = ToolCalls(live.desk.folder, 1e-9)
     body = json.dumps({"model": {"file": "out.json"}}).encode()
     try:
-        status, text = calls.call("mend", body)
+        with monkeypatch.context() as at_once:
+            at_once.setattr(helper, "POLL_S", 1e-6)
+            status, text = calls.call("mend", body)
         assert (status, "no answer within" in text) == (504, True)
         calls.seconds = 300.0
         status, text = calls.call("check", body)
