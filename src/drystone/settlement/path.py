@@ -266,7 +266,7 @@ def path_of(
             None if motion is None else scaled_motion(bodies, motion),
             earlier_loads(bodies, chosen.loading),
         )
-        if case.felt is not None and track.ended is not Ended.RESTS:
+        if case.felt is not None and track.ended not in (Ended.RESTS, Ended.FALLS):
             case = replace(case, felt=None)
         elif track.ended is Ended.SOFT:
             overlap *= STIFFER

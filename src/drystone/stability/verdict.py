@@ -295,11 +295,7 @@ def _balance(asked: Asked, uniform: Candidate) -> Floats:
 
 
 def _with_stiff_shear(
-    asked: Asked,
-    pool: WorkerPool,
-    follow: _Follow,
-    found: Settlement,
-    options: SettlementOptions,
+    asked: Asked, follow: _Follow, found: Settlement, options: SettlementOptions
 ) -> Settlement:
     """The same where the blocks end alike with stiffer joints along their faces; else both ways.
 
@@ -310,14 +306,14 @@ def _with_stiff_shear(
     rubs = bool(asked.problem.model.contacts.friction.any())
     if stiff is None or not rubs or found.outcome not in ends or asked.clock.late():
         return found
-    other = follow(options=replace(options, tangential=stiff))
+    other = follow(asked.problem.model, options=replace(options, tangential=stiff))
     alike = (other.outcome is Outcome.RESTS) == (found.outcome is Outcome.RESTS)
     if other.outcome is Outcome.UNKNOWN or (alike and other.outcome in ends):
         return found
     asked.depends_on(Sensitivity.SHEAR)
     ways = {options.tangential: found, stiff: other}
     said = [f"at {shear:g} of the normal one {one.message}" for shear, one in ways.items()]
-    takes = "" if alike else _taken_to_stand(asked, pool, ways, options)
+    takes = "" if alike else _taken_to_stand(asked, follow, ways, options)
     return replace(
         found,
         outcome=Outcome.SHEAR_DECIDES,
@@ -334,7 +330,8 @@ def _with_longer_faces(
     told = said_longer(*found.paths)
     if stiff is not None and asked.explains and not asked.clock.late():
         carrier = next(one.carrier for one in found.paths if one.outcome is Outcome.RESTS)
-        other = follow(options=replace(options, tangential=stiff, carrier=carrier))
+        chosen = replace(options, tangential=stiff, carrier=carrier)
+        other = follow(asked.problem.model, options=chosen)
         asked.steps += other.iterations
         if other.rests:
             told = said_longer(*found.paths, *other.paths)
@@ -351,7 +348,8 @@ def _over_ends(
         return found
     ways: list[Settlement] = []
     for shear in sorted({options.tangential, asked.options.stiff_shear or options.tangential}):
-        ways.append(follow(options=replace(options, tangential=shear, carrier=Carrier.LONGER)))
+        chosen = replace(options, tangential=shear, carrier=Carrier.LONGER)
+        ways.append(follow(asked.problem.model, options=chosen))
         asked.steps += ways[-1].iterations
         if not ways[-1].rests:
             return found
@@ -360,7 +358,7 @@ def _over_ends(
 
 
 def _taken_to_stand(
-    asked: Asked, pool: WorkerPool, ways: dict[float, Settlement], options: SettlementOptions
+    asked: Asked, follow: _Follow, ways: dict[float, Settlement], options: SettlementOptions
 ) -> str:
     """The shear stiffness from which they rest, and the friction with which they do so both ways.
 
@@ -375,7 +373,7 @@ def _taken_to_stand(
     def rests(shear: float, friction: float = 1.0) -> bool:
         rough = model.with_friction(friction * model.contacts.friction)
         chosen = replace(options, tangential=shear)
-        found = settle_for_verdict(rough, options=chosen, executor=pool.executor, stop=late)
+        found = follow(rough, options=chosen, falls=None)
         nonlocal left
         left -= found.iterations
         return found.rests
@@ -403,8 +401,8 @@ def _followed(asked: Asked, pool: WorkerPool, uniform: Candidate) -> Result:
     if light:
         felt = _balance(asked, uniform)
     model, workers = asked.problem.model, pool.executor
-    follow = partial(settle_for_verdict, model, executor=workers, stop=clock.late, falls={})
-    found = follow(options=options, felt=felt)
+    follow = partial(settle_for_verdict, executor=workers, stop=clock.late, falls={})
+    found = follow(model, options=options, felt=felt)
     if light and found.rests:
         felt = found.paths[-1].force[: model.contacts.corner_count]
     follow = partial(follow, felt=felt)
@@ -413,7 +411,7 @@ def _followed(asked: Asked, pool: WorkerPool, uniform: Candidate) -> Result:
         asked.depends_on(Sensitivity.ENDS)
         found = _with_longer_faces(asked, follow, found, options)
     elif not (certain and found.outcome is Outcome.RESTS):
-        found = _with_stiff_shear(asked, pool, follow, found, options)
+        found = _with_stiff_shear(asked, follow, found, options)
         found = _over_ends(asked, follow, found, options)
     if found.stopped:  # by the clock of the check, which knows why
         message = found.message.replace(found.stopped, clock.reason)

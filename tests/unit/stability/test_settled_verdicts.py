@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from benchmarks.workloads import random_pile
 from drystone import Assembly, CheckOptions, LoadCase, Model, Verdict, check, settle
 from drystone.assembly import replace_block
 from drystone.geometry.frames import rotation_about
@@ -366,6 +367,22 @@ def test_a_wall_with_one_heavy_stone_is_followed_with_what_its_blocks_feel_from_
     model = Model.of(blocks.with_density(density.tolist()), friction=0.7)
     assert check(model, stop=lambda: next(asked) < 0).stable
     assert next(asked) < 1000
+
+
+def test_each_shear_stiffness_is_followed_with_what_light_blocks_feel() -> None:
+    """The check asks 2,597 times whether to stop; 15,300 times where a fall is followed again."""
+    pile, random = random_pile(9, 12).assembly, np.random.default_rng(9)
+    asked = itertools.count()
+    model = tilted(
+        pile.with_density((10.0 ** random.uniform(0.0, 6.0, len(pile))).tolist()),
+        (1.0, 0.3, 0.0),
+        12.0,
+        friction=0.3,
+    )
+    found = check(model, stop=lambda: next(asked) < 0)
+    assert found.verdict is Verdict.UNDECIDED
+    assert set(found.sensitive_to) == {Sensitivity.WEIGHTS, Sensitivity.SHEAR}
+    assert next(asked) < 5000
 
 
 @pytest.mark.parametrize("seed", [0, 5])
