@@ -318,6 +318,8 @@ def on_an_edge(
     rim = (made.area <= 0.0) | (edge_ratio(made, corners, contacts.start, at) > 1.0 - within)
     at_rim = np.flatnonzero(loaded & rim)
     ends = np.stack([contacts.block_a[at_rim], contacts.block_b[at_rim]], axis=1)
+    loose = ~_held_without(assembly, contacts, at_rim)  # by one of them, or by several
+    at_rim, ends = at_rim[loose[ends].any(axis=1)], ends[loose[ends].any(axis=1)]
     found = []
     for i, pair in enumerate(ends[:_LOOKED_AT]):
         held = _held_without(assembly, contacts, at_rim[i : i + 1])

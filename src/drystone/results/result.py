@@ -87,8 +87,8 @@ class Result(Solution, Answer):
         if self._safety:
             said.append(Sentence(f"safety: {self._safety}: a bound, it may fall before"))
         if self.verdict is Verdict.STABLE and self.force is not None:
-            said += self._strength() + self._without_margin()
-            said += [Sentence(self.corners_needed), *self._foot()]
+            said += self._strength()
+            said += [Sentence(self.zero_margin), Sentence(self.corners_needed), *self._foot()]
         return said
 
     def _foot(self) -> list[Sentence]:
@@ -138,24 +138,21 @@ class Result(Solution, Answer):
             words += f", and it falls at {rounded_down(self.crushing_factor):g} times"
         return [Sentence(words)]
 
-    def _without_margin(self) -> list[Sentence]:
-        """What stands exactly above an edge."""
+    @property
+    def zero_margin(self) -> str:
+        """What stands exactly above an edge, in words; or empty."""
         joints, names = self.contacts.joints, self.assembly.names
-        found, _ = by_joint(self.contacts, self.resultants, self.utilisation)
+        found, _ = by_joint(self.contacts, self.resultants, np.zeros(self.contacts.count))
         near = SAME if self.settlement is None else 10.0 * SWAY
         pairs = on_an_edge(self.assembly, joints, found, near)
         if not pairs:
-            return []
+            return ""
         block, others = pairs[0]
         where = "above an edge of its joint" if len(others) == 1 else "on the line of its joints"
         below = " and ".join(f"'{names[other]}'" for other in others)
         more = f", and {len(pairs) - 1} more like this" if len(pairs) > 1 else ""
-        return [
-            Sentence(
-                f"the margin is zero: '{names[block]}' stands exactly {where} with {below}"
-                f"{more}; the least push overturns it"
-            )
-        ]
+        words = f"the margin is zero: '{names[block]}' stands exactly {where} with {below}"
+        return f"{words}{more}; the least push overturns it"
 
     @property
     def corners_needed(self) -> str:

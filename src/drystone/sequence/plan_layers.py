@@ -12,6 +12,7 @@ from drystone.answer.drawing import help_layer, interface_layers, load_layers
 from drystone.answer.question import directions
 from drystone.assembly import Assembly
 from drystone.base.arrays import Floats, Ints
+from drystone.base.display import named
 from drystone.base.errors import counted
 from drystone.base.ragged import Ragged
 from drystone.model import Model
@@ -72,7 +73,8 @@ def _of_step(plan: PlannedSteps, number: int, forces: bool) -> list[SceneStage]:
         stage = stage_of(plan.model, f"{here}: {names[block]}", said, state, answer, forces)
         told = f"{here.capitalize()}: {stage.headline[0].lower()}{stage.headline[1:]}"
         out.append(replace(stage, headline=told, motion=_way_in(plan, block, step.motion[k])))
-    return out
+    whole = filter(None, [out[-1].message, plan.on_edge.get(number)])
+    return [*out[:-1], replace(out[-1], message="; ".join(whole))]
 
 
 def _way_in(plan: PlannedSteps, block: int, direction: Floats) -> Floats:
@@ -170,7 +172,17 @@ def with_robots(
     seen = [step.blocks[: k + 1] for step in plan.steps for k in range(len(step.blocks))]
     assembly = plan.model.assembly
     out = [with_arms(assembly, arms, *one) for one in zip(seen, stages, strict=False)]
-    return with_reach(assembly, team, [*out, *stages[len(out) :]])
+    others = [replace(one, message="; ".join([one.message, *_shares(plan, arms)]))
+              for one in stages[len(out) :]]  # fmt: skip
+    return with_reach(assembly, team, [*out, *others])
+
+
+def _shares(plan: PlannedSteps, arms: Mapping[int, Robot]) -> list[str]:
+    """The steps of each robot."""
+    steps: dict[str, list[str]] = {}
+    for block in sorted(arms, key=lambda b: plan.step_of[b]):
+        steps.setdefault(arms[block].name, []).append(str(plan.step_of[block] + 1))
+    return [f"'{name}' at steps {named(own)}" for name, own in steps.items()]
 
 
 def with_reach(

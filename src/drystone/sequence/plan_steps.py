@@ -17,10 +17,11 @@ from drystone.base.arrays import Floats
 from drystone.base.display import OneLine, named
 from drystone.base.errors import counted
 from drystone.model import Model
+from drystone.results import Result
 from drystone.sequence.evaluation import Evaluator
 from drystone.sequence.robots import Robot
 from drystone.sequence.rules import RemovalTest
-from drystone.sequence.stages import Stage, StageAnswer, StagedModel, mask_of
+from drystone.sequence.stages import Stage, StageAnswer, StagedModel, mask_of, members
 
 
 class Status(enum.Enum):
@@ -241,6 +242,29 @@ class PlannedSteps:
         """The blocks in place after a step, counted from 0; those that are propped are supports."""
         step = self.steps[number]
         return self.model.cut_out(Stage(step.placed, mask_of(step.props)))[0]
+
+    @cached_property
+    def on_edge(self) -> Mapping[int, str]:
+        """Steps after which something stands exactly above an edge, from 0, and what it is.
+
+        Those after settling are left out.
+        """
+        told = {}
+        for number, step in enumerate(self.steps):
+            if step.answer.stands and not step.answer.settled:
+                told[number] = self._forces(number).zero_margin
+        return {number: words for number, words in told.items() if words}
+
+    def _forces(self, number: int) -> Result:
+        """The forces at the end of a step, without joints of blocks that are not in place."""
+        answer, contacts = self.steps[number].answer, self.model.contacts
+        here = np.array(self.model.assembly.fixed)
+        here[list(members(self.steps[number].placed))] = True
+        chosen = here[contacts.block_a] & here[contacts.block_b]
+        force = np.zeros((contacts.corner_count, 3))
+        force[answer.corner] = answer.force
+        force = force[chosen[contacts.interface]]
+        return Result(answer.message, answer.verdict, self.stage(number), force=force)
 
     def before(self, number: int) -> int:
         """Blocks in place before a step begins, as bits."""

@@ -272,7 +272,9 @@ class _Planner:
         searched below it, except where the order is given.
         """
         search = self.new_search(bound, carried=carried, limit=limit)
-        root = Node(self.model.everything, 0)
+        left = self.model.everything & ~mask_of(self.bound.reasons)
+        stands = complete.stands and self.evaluator.answer(Stage(left)).stands
+        root = Node(left if stands else self.model.everything, 0)
         if not complete.stands:
             root = replace(search.prop(root, complete), cost=NO_HELP)
         best = trimmed(search.run(root), search)
@@ -395,7 +397,7 @@ class _Planner:
     ) -> str:
         """How a plan ended."""
         if not steps:
-            return "no block can be removed" if impossible else "there is no block to place"
+            return "no block can be placed" if impossible else "there is no block to place"
         screened = self.model.quick is not None and not self.model.small
         settled = sum(step.answer.stands and bool(step.answer.settled) for step in steps)
         words = self.flaws(complete, steps, len(impossible))

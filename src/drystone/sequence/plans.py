@@ -10,19 +10,25 @@ from typing import Any
 import numpy as np
 
 from drystone.answer import Answer, Question, Role, Scene, Sentence
-from drystone.base.display import differing, named
+from drystone.base.display import differing, first_of, named
 from drystone.base.errors import counted
 from drystone.base.table import Table
 from drystone.results import Verdict
 from drystone.sequence.plan_layers import step_stages, summary_stage, with_robots
-from drystone.sequence.plan_steps import PlannedSteps, Status, Step
+from drystone.sequence.plan_steps import PlannedSteps, Prop, Status, Step, assigned
 from drystone.sequence.robots import FAR
 from drystone.sequence.rules import TOO_HEAVY, Order, Rules, too_heavy
 from drystone.sequence.stage_tree import Node
 from drystone.sequence.stages import StageAnswer, members
 
 _REASONS = 3
-"""PlannedSteps whose need of help is explained in sentences; the numbers have all."""
+"""Steps whose need of help, or margin of zero, is told in sentences; the numbers have all."""
+
+_SILENT = "with", "robot", "prop_force", "prop_stages", "propped_now", "margin"
+_COLUMNS = ("step", "block", "status", *_SILENT[:-1], "friction_used", "margin")
+"""Of the table of a plan, and those that are hidden where they say nothing."""
+
+_FORCES = "; forces were not compared: another order may need smaller ones"
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,18 +157,23 @@ class Plan(PlannedSteps, Answer):
     def title(self) -> str:
         """Whether it can be assembled, and with which help."""
         counts = self.counts
-        if not self.steps:
-            return "No plan"
         if counts["impossible"]:
             why = [one.partition(":")[0] for one in self.impossible.values()]
             known = [f"{why.count(one)} {one}" for one in (FAR, TOO_HEAVY) if one in why]
             told = f"{counted(len(why), 'block')} cannot be placed"
             return f"{told}: {', '.join(known)}" if known else f"{told}: no way in was found"
+        if not self.steps:
+            return "No plan"
         if self.verdict is not Verdict.STABLE:
             return "Not every stage is known to stand"
         kinds = [kind for kind in ("propped", "held") if counts[kind]]
         said = " and ".join(f"{counted(counts[kind], 'block')} {kind}" for kind in kinds)
-        return f"Can be assembled {f'with {said}' if said else 'without help'}"
+        words = f"Can be assembled {f'with {said}' if said else 'without help'}"
+        return f"{words}{self._edge}"
+
+    @property
+    def _edge(self) -> str:
+        return f", {counted(len(self.on_edge), 'step')} without margin" if self.on_edge else ""
 
     @property
     def role(self) -> Role:
@@ -173,26 +184,29 @@ class Plan(PlannedSteps, Answer):
 
     def sentences(self) -> Sequence[Sentence]:
         """Steps and counts, why there is no plan, and why steps need help."""
-        lost = [Sentence(one, Role.REMARK) for one in self.notes]
         if not self.steps:
-            return [Sentence("NO PLAN", Role.BAD), Sentence(self.message), *lost]
+            why = self.notes or [self.message]
+            return [Sentence("NO PLAN", Role.BAD), *map(Sentence, why)]
+        lost = [Sentence(one, Role.REMARK) for one in self.notes]
         said = [Sentence(self.told, self.role), Sentence(self.message)]
-        if any(self.help) and self.proved:
-            said.append(Sentence("no order needs less help, of hands that let go after each step"))
-        elif any(self.help) and not self.impossible:
-            said.append(Sentence(f"another order may need less help: {self._other_orders}"))
+        said += self._less_help()
         why = [f"step {i}, {one.why}" for i, one in enumerate(self.steps, 1) if one.why]
-        said += [Sentence(one) for one in why[:_REASONS]]
-        if len(why) > _REASONS:
-            said.append(Sentence(f"and {counted(len(why) - _REASONS, 'more step')} with help"))
-        return [*said, *lost]
+        edge = [f"after step {i + 1} {words}" for i, words in self.on_edge.items()]
+        told = first_of(why, "more steps with help", _REASONS)
+        told += first_of(edge, "more steps without margin", _REASONS)
+        return [*said, *map(Sentence, told), *lost]
 
-    @property
-    def _other_orders(self) -> str:
-        """Options that were not asked for."""
+    def _less_help(self) -> list[Sentence]:
+        """Whether another order needs less help, or how to look for one."""
+        if not any(self.help) or (self.impossible and not self.proved):
+            return []
+        if self.proved:
+            words = "no order has fewer blocks propped or held, of hands that let go after each"
+            return [Sentence(f"{words} step{_FORCES if self.props else ''}")]
         tried = "course" if self.rules.order is Order.TOP else "top"
         best = "" if "patience" in self.asked.options else ", or --best, which takes longer"
-        return f"--order {tried}{best}"
+        words = "another order may have fewer blocks propped or held"
+        return [Sentence(f"{words}: --order {tried}{best}")]
 
     def tables(self) -> Sequence[Table]:
         """The blocks in the order of assembly, or those that are known to be placed last."""
@@ -267,23 +281,32 @@ class Plan(PlannedSteps, Answer):
             "settled": step.answer.settled,
             "why": step.why,
             "friction_used": step.answer.used,
+            "on_edge": self.on_edge.get(number, ""),
         }
 
     def table(self) -> Table:
-        """A row per block in the order of assembly: step, status, partners, prop, friction."""
-        names, prop = self.model.assembly.names, {one.block: one for one in self.props}
-        keys = (
-            "step", "block", "status", "with", "prop_force", "prop_stages", "propped_now",
-            "friction_used",
+        """A row per block in the order of assembly.
+
+        Its step, status, partners, the robot that places or holds it, its prop, how many props
+        stand, the friction used after the step, and whether the margin is zero then. Columns that
+        say nothing are hidden.
+        """
+        team = self.rules.robots
+        robot = {b: team[k].name for b, k in assigned(self, team).items()}
+        prop = {one.block: one for one in self.props}
+        rows = [self._row(b, robot.get(b, ""), prop.get(b)) for b in self.step_of]
+        columns = {key: [row[i] for row in rows] for i, key in enumerate(_COLUMNS)}
+        silent = [key for key in _SILENT if not any(columns[key])]
+        return Table("assembly plan", columns, {"prop_force": "N"}, hidden=silent)
+
+    def _row(self, block: int, robot: str, prop: Prop | None) -> tuple[Any, ...]:
+        number, names = self.step_of[block], self.model.assembly.names
+        step, partners = self.steps[number], " ".join(names[p] for p in self.partners(block))
+        return (
+            number + 1, names[block], self.status[block].value, partners, robot,
+            prop.force if prop else 0.0, prop.stages if prop else 0, len(step.props),
+            step.answer.used, "zero" if number in self.on_edge else "",
         )  # fmt: skip
-        rows = [
-            (number, names[b], self.status[b].value, " ".join(names[p] for p in self.partners(b)),
-             prop[b].force if b in prop else 0.0, prop[b].stages if b in prop else 0,
-             len(step.props), step.answer.used)
-            for number, step in enumerate(self.steps, 1) for b in step.blocks
-        ]  # fmt: skip
-        columns = {key: [row[i] for row in rows] for i, key in enumerate(keys)}
-        return Table("assembly plan", columns, {"prop_force": "N"})
 
     def layers(self) -> Scene:
         """A stage for every block that is placed; the last shows the status of all.

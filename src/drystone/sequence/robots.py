@@ -88,4 +88,7 @@ def why_not(robots: Sequence[Robot], name: str, centroid: Floats, mass: float) -
         )
     short = min(robots, key=lambda robot: float(robot.distance(centroid)) - robot.reach)
     missing = float(short.distance(centroid)) - short.reach
-    return f"{FAR}: '{name}' is {missing:.3g} m too far for '{short.name}', the nearest robot"
+    return (
+        f"{FAR}: '{name}' is {missing:.3g} m too far for '{short.name}', the nearest robot; give "
+        "it a longer reach or another base"
+    )

@@ -14,6 +14,7 @@ from drystone.models import (
     buttressed_arch,
     corbelled_bridge,
     corbelled_wall,
+    overhang,
     snake,
     tower,
 )
@@ -427,6 +428,18 @@ def test_no_number_of_hands_is_advised_that_no_plan_was_found_with():
     found = planned(arch(0.3, 7), 0.4, rules=Rules(hands=1))
     assert found.props
     assert not [one.text for one in found.sentences() if "without props it takes" in one.text]
+
+
+def test_a_step_that_ends_exactly_on_an_edge_says_so():
+    found = plan(overhang([0.25, 0.5]), friction=0.6)
+    assert [*found.on_edge] == [1]
+    words = "the margin is zero: 'brick-01' stands exactly above an edge of its joint with"
+    assert any(words in one.text for one in found.sentences())
+    assert found.title == "Can be assembled without help, 1 step without margin"
+    assert found.table()["margin"].tolist() == ["", "zero"]
+    assert words in found.numbers()["steps"][1]["on_edge"]
+    assert words in found.layers().stages[1].message
+    assert not plan(overhang([0.2, 0.4]), friction=0.6).on_edge
 
 
 def test_a_plan_of_one_step_says_step():

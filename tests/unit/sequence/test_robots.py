@@ -8,7 +8,7 @@ import pytest
 
 from drystone import InputError, Model, Structure, Verdict, plan
 from drystone.answer import Role
-from drystone.models import arch, bayonet, bridge, tower
+from drystone.models import arch, bayonet, bridge, tower, wall
 from drystone.sequence import (
     PlanOptions,
     Robot,
@@ -51,6 +51,27 @@ def test_what_no_robot_can_place_is_said():
     assert [one.robot for one in work.placements] == ["", ""]
     assert "too heavy" in work.notes[0]
     assert "'block-1'" in work.notes[0]
+
+
+def test_what_no_robot_can_place_carries_nothing_in_the_search():
+    near = Rules(robots=(Robot("a", base=(-1, -1, 0), reach=2.0, payload=60.0),))
+    found = plan(wall(), friction=0.6, options=PlanOptions(rules=near))
+    assert found.counts["impossible"] == 21
+    # with 'c02-b01', which is out of reach, beside it 'c02-b00' would do without 'c01-b01'
+    assert found.order[:3] == ("c01-b00", "c01-b01", "c02-b00")
+    assert not found.on_edge
+    far = Rules(robots=(Robot("a", base=(-1, -1, 0), reach=3.0, payload=100.0),))
+    found = plan(wall(), friction=0.6, options=PlanOptions(rules=far))
+    assert (found.counts["free"], found.counts["unsure"]) == (22, 0)
+
+
+def test_the_table_of_a_plan_names_the_robot_of_each_block():
+    team = [Robot("left", base=(-2, 0, 0)), Robot("right", base=(2, 0, 0))]
+    found = plan(bridge(), friction=0.5, options=PlanOptions(rules=Rules(robots=tuple(team))))
+    table = found.table()
+    assert table["robot"].tolist() == [one.robot for one in handling(found, team).placements]
+    assert "robot" not in table.hidden
+    assert {"robot", "with", "prop_force", "margin"} <= {*plan(tower(2)).table().hidden}
 
 
 def test_the_approach_ends_in_place_and_begins_away():
@@ -275,8 +296,9 @@ def test_a_plan_with_props_names_turns_without_and_what_is_proved() -> None:
     assert found.counts["propped"] == 3
     assert found.proved
     assert "need no prop: --turns" in found.message
-    said = [one.text for one in found.sentences()]
-    assert "no order needs less help, of hands that let go after each step" in said
+    said = "".join(one.text for one in found.sentences())
+    assert "no order has fewer blocks propped or held, of hands that let go after each step" in said
+    assert "forces were not compared" in said
     weak = PlanOptions(rules=Rules(payload=60.0))
     assert "--turns" not in plan(thin, friction=0.7, options=weak).message
     alone = PlanOptions(rules=Rules(hands=1))
