@@ -86,7 +86,7 @@ def test_the_page_of_a_result_says_the_answer_and_shows_the_forces(opened, stand
     assert re.search("normal force at a corner, up to [0-9.]+\u00a0k?N", tab.text("#legend"))
     tab.click("#side")
     assert "normal force at a corner" in tab.text("#legend")
-    assert "force network, up to" in tab.text("#legend")
+    assert "force network (normal forces), up to" in tab.text("#legend")
     assert tab.run("document.querySelector('[data-preset=forces]').ariaPressed") == "true"
     for straight in ("#front", "#side"):  # from the front one looks along all joints
         tab.click(straight)

@@ -40,6 +40,10 @@ def convert(
             metavar="FORMAT",
         ),
     ] = None,
+    to_units: Annotated[
+        str | None,
+        Option("Unit of length of the written file (that of the model).", OUTPUT, kind=kinds.UNIT),
+    ] = None,
     joint_allowance: Annotated[
         float | None,
         Option(
@@ -71,6 +75,9 @@ def convert(
     _refuse_other_suffix(target, chosen)
     if friction is not None:
         _refuse_lost_friction(chosen, contacts)
+    if to_units not in (None, "m") and not chosen.any_unit:
+        remedy = "leave it out, or write another format"
+        raise InputError(f"{chosen.title} is in m", where="--to-units", remedy=remedy)
     named = same_place(plain_target(target))
     if not overwrite and any(named == same_place(file) for file in source.each):
         raise InputError(
@@ -96,7 +103,8 @@ def convert(
             smaller = design.joint_allowance(made, joint_allowance)
             read = replace(read, assembly=smaller, contacts=None, loads=())
     waiting.stage("write", f"writing {target}")
-    io.write(read, target, format=to, units=read.units)
+    units = to_units or (read.units if chosen.any_unit else "m")
+    io.write(read, target, format=to, units=units)
     from drystone.answer import Role, Sentence, Statement
     from drystone.supports import own_blocks
 
@@ -109,12 +117,11 @@ def convert(
         "joint_allowance": joint_allowance,
         "loses": chosen.loses,
     }
-    units = read.units if chosen.any_unit else "m"
     told = [Sentence(f"{counted(count, 'block')}, {chosen.title}, in {units}", Role.GOOD)]
     if joint_allowance is not None:
         said = f"joints are open by {1e3 * joint_allowance:g} mm; analyse the model without it"
         told.append(Sentence(said, Role.REMARK))
-    told += [Sentence(said, Role.REMARK) for said in left_out(chosen, read.units, read)]
+    told += [Sentence(said, Role.REMARK) for said in left_out(chosen, units, read)]
     found = Statement(tuple(told), values=values)
     return Told(found, subject=source.name, notes=notes, written=[target])
 

@@ -78,7 +78,8 @@ class Result(Solution, Answer):
         said = [Sentence(word, Role.of(self.verdict)), Sentence(self.message)]
         if self.samples.tried:
             tried, standing = self.samples.tried, self.samples.standing
-            said.append(Sentence(f"contact stiffnesses: stands for {standing} of {tried} tried"))
+            words = f"stands for {standing} of {tried} tried"
+            said.append(Sentence(f"contact stiffness, which nobody knows: {words}"))
         return [one for one in (*said, *self.margins()) if one.text]
 
     def margins(self) -> Sequence[Sentence]:
@@ -248,7 +249,8 @@ class Result(Solution, Answer):
     def _largest(self) -> Table:
         """The joints with the largest normal force and with most of the friction used.
 
-        What a joint that carries hardly anything uses of its friction says nothing.
+        What a joint that carries hardly anything uses of its friction says nothing. More than all
+        is told only where it may need its corners.
         """
         if self.force is None or not self.force.any():
             return Table("most loaded", {"joint": []})
@@ -266,7 +268,7 @@ class Result(Solution, Answer):
             "block_b": [names[i] for i in contacts.block_b[at]],
             "normal": normal,
             "tangential": np.where(tangential > SAME * np.abs(normal), tangential, 0.0),
-            "friction_used": used[at],
+            "friction_used": used[at] if self.corners_needed else np.minimum(used[at], 1.0),
         }
         units = {"normal": "N", "tangential": "N", "friction_used": "1"}
         return Table("most loaded", columns, units)

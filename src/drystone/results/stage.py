@@ -190,8 +190,8 @@ def force_layers(result: Solution, shown: Bools | None = None) -> tuple[Layer, .
     kept = shown[first[made.interface]] & (lengths(made.end - made.start) <= longest)
     layers.append(
         Layer(
-            "network", "force network", LayerKind.LINES, "network", made.start[kept],
-            (made.end - made.start)[kept], value=made.force[kept],
+            "network", "force network (normal forces)", LayerKind.LINES, "network",
+            made.start[kept], (made.end - made.start)[kept], value=made.force[kept],
             interface=first[made.interface[kept]],
         )
     )  # fmt: skip

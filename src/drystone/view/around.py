@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import textwrap
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,6 +18,8 @@ from drystone.view.sheet import Sheet
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+    from matplotlib.legend import Legend
+    from matplotlib.text import Text
 
 _VERDICT_COLOUR = {
     "light": {Verdict.STABLE: "#00664b", Verdict.UNSTABLE: "#a33c00", None: "#6a5200"},
@@ -76,23 +79,21 @@ def draw_gravity(figure: Figure, sheet: Sheet) -> None:
     )
 
 
-def write_title(figure: Figure, sheet: Sheet) -> None:
-    """The headline, what was asked, and the message, whole; the drawing below leaves room."""
+def write_title(figure: Figure, sheet: Sheet, *, plain: bool = False) -> list[Text]:
+    """The headline; and unless ``plain`` what was asked, and the message, whole."""
     scene, stage, known = sheet.scene, sheet.stage, _VERDICT_COLOUR[sheet.theme]
     ink = ROLE_COLOUR[sheet.theme]["edge"]
     colour = known.get(stage.verdict, known[None]) if stage.verdict else ink
     width, height = figure.get_size_inches()
     letters = 15.0 if figure.axes == [sheet.axes] else 11.0  # of an inch, up to the colour bar
     characters = max(20, int(width * letters))
-    top = 0.975
+    top, texts = 0.975, []
+    write = partial(figure.text, 0.02, va="top", parse_math=False)
     if stage.headline:
         room = 0.55 * characters  # of bold letters of 13 points; a verdict may stand at the end
         points = 13.0 * min(1.0, max(0.55, room / len(stage.headline)))
         told = textwrap.wrap(stage.headline, int(room * 13.0 / points))
-        figure.text(
-            0.02, top, "\n".join(told), fontsize=points, fontweight="bold", color=colour, va="top",
-            parse_math=False,
-        )  # fmt: skip
+        texts += [write(top, "\n".join(told), fontsize=points, fontweight="bold", color=colour)]
         top -= (0.32 + 0.018 * points * (len(told) - 1)) / height
     facts = {**scene.facts, **stage.facts}
     asked = asked_line(facts, scene.made) if facts else ""
@@ -101,27 +102,34 @@ def write_title(figure: Figure, sheet: Sheet) -> None:
     asked = asked.replace(" \N{MIDDLE DOT}", "\N{NO-BREAK SPACE}\N{MIDDLE DOT}")
     lines = textwrap.wrap(asked, characters, break_on_hyphens=False)
     lines += textwrap.wrap(new, characters)
-    text = figure.text(
-        0.02, top, "\n".join(lines), fontsize=8, color=ink, va="top", parse_math=False
-    )
-    if lines:
-        _, low, _, high = sheet.axes.get_position().extents
-        foot = text.get_window_extent().y0 / figure.bbox.height - 0.1 / height
-        _place(sheet, low, min(high, foot))
+    if lines and not plain:
+        texts += [write(top, "\n".join(lines), fontsize=8, color=ink)]
+    return texts
 
 
-def _place(sheet: Sheet, low: float, high: float) -> None:
-    """The drawing between two heights of the figure, of which it keeps a quarter at least."""
-    left, _, right, _ = sheet.axes.get_position().extents
-    low = min(low, 0.75)
-    sheet.axes.set_position((left, low, right - left, max(high - low, 0.25)))
+def make_room(figure: Figure, sheet: Sheet, texts: list[Text], legend: Legend) -> None:
+    """The drawing between the texts and the legend.
 
-
-def write_legend(figure: Figure, sheet: Sheet, layers: list[Layer]) -> None:
-    """What the colours of blocks, the lines and the marks mean, below the drawing.
-
-    Of more than two rows the drawing leaves room, and always of the scale bar.
+    Where it would have less than two fifths of the height, first what was asked is left out, then
+    the legend: a small figure has a caption.
     """
+    left, bottom, right, high = sheet.axes.get_position().extents
+    whole, gap = figure.bbox.height, 0.1 * figure.dpi
+    low = max(bottom, legend.get_window_extent().y1 / whole) + _strip(figure)
+    while True:
+        above = min([high, *((one.get_window_extent().y0 - gap) / whole for one in texts[-1:])])
+        if above - low >= 0.4 or (len(texts) < 2 and low <= bottom + _strip(figure)):
+            break
+        if len(texts) > 1:
+            texts.pop().remove()
+        else:
+            legend.remove()
+            low = bottom + _strip(figure)
+    sheet.axes.set_position((left, low, right - left, max(above - low, 0.25)))
+
+
+def write_legend(figure: Figure, sheet: Sheet, layers: list[Layer]) -> Legend:
+    """What the colours of blocks, the lines and the marks mean, below the drawing."""
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
@@ -173,8 +181,7 @@ def write_legend(figure: Figure, sheet: Sheet, layers: list[Layer]) -> None:
         if columns == 1 or box.x1 < gravity:
             break
         legend.remove()
-    _, bottom, _, top = sheet.axes.get_position().extents
-    _place(sheet, max(bottom, box.y1 / figure.bbox.height) + _strip(figure), top)
+    return legend
 
 
 def _amount(value: float, unit: str) -> str:

@@ -24,7 +24,14 @@ from drystone.base.errors import InputError, quoted
 from drystone.base.settings import checked_call
 from drystone.contacts import Contacts
 from drystone.geometry.frames import unit
-from drystone.view.around import draw_bar, draw_gravity, draw_scale_bar, write_legend, write_title
+from drystone.view.around import (
+    draw_bar,
+    draw_gravity,
+    draw_scale_bar,
+    make_room,
+    write_legend,
+    write_title,
+)
 from drystone.view.exploded import taken_apart
 from drystone.view.ink import as_seen, draw_blocks, draw_layer, draw_motion
 from drystone.view.palette import (
@@ -81,11 +88,12 @@ def save_figure(
     toward : (3,)
         From the model to the eye; any length.
     size : (2,) [inches]
+        In a small figure what was asked, then the legend too, are left out.
     dpi
         Pixels per inch of a PNG.
     preset
         A picture by name: ``forces``, ``solid``, ``contacts``, ``utilisation`` or ``stages``; left
-        out, the one that the page shows at first.
+        out, the one that the page shows at first. ``solid`` has the headline alone.
     layers
         Keys of the layers to show instead, such as "interfaces", "joint-force", "network",
         "resultants".
@@ -221,8 +229,8 @@ def draw(
         return axes.figure
     draw_gravity(figure, sheet)
     draw_bar(figure, sheet, chosen)
-    write_title(figure, sheet)
-    write_legend(figure, sheet, chosen)
+    texts = write_title(figure, sheet, plain=preset == "solid")
+    make_room(figure, sheet, texts, write_legend(figure, sheet, chosen))
     draw_scale_bar(sheet, figure)
     return figure
 

@@ -136,6 +136,15 @@ def test_blocks_to_fabricate_leave_room_in_their_joints(tmp_path: Path, capsys: 
     assert main([*arguments, "1mm", "--contacts"]) == 2
 
 
+def test_a_model_is_written_in_the_unit_that_is_asked(tmp_path: Path, capsys: Capsys) -> None:
+    source, target = tmp_path / "tower.json", tmp_path / "tower.obj"
+    io.write(tower(2), source)
+    assert main(["convert", str(source), str(target), "--to-units", "mm"]) == 0
+    assert "in mm, which the file does not say: --units mm" in capsys.readouterr().out
+    assert io.read(target, units="mm").assembly.volume == pytest.approx(tower(2).volume)
+    assert main(["convert", str(source), str(tmp_path / "a.xml"), "--to-units", "mm"]) == 2
+
+
 def test_mends_are_written_in_the_unit_of_the_file(tmp_path: Path, capsys: Capsys) -> None:
     base, out = box((1.0, 1.0, 1.0), name="base"), box((1.0, 1.0, 0.2), (0.7, 0.0, 1.0), "out")
     source, target = str(tmp_path / "model.obj"), str(tmp_path / "mended.obj")

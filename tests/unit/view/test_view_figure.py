@@ -147,7 +147,7 @@ def test_the_legend_shows_loads_and_reactions_as_arrows() -> None:
     }
     heads = [word for word, line in lines.items() if line.get_marker() != "None"]
     assert heads == ["loads", "reactions at joints of supports"]
-    assert "force network" in lines
+    assert "force network (normal forces)" in lines
 
 
 def test_the_legend_shows_blocks_as_clear_as_they_are_drawn() -> None:
@@ -166,7 +166,7 @@ def test_the_figure_says_verdict_units_and_scale() -> None:
         assert part in text
     assert "force" not in text  # what falls is in no equilibrium
     text = texts(figure_of(pulled_tower()))
-    assert "force network, up to 12 kN" in text
+    assert "force network (normal forces), up to 12 kN" in text
     assert "tension needed, up to 500 N" in text
     text = texts(figure_of(pulled_tower(), layers=["pressure"]))
     assert "corner forces, up to 3.03 kN" in text
@@ -322,3 +322,21 @@ def test_a_picture_turns_the_ground_as_the_analysis_does() -> None:
         if one.motion is not None
     ]
     np.testing.assert_allclose(ends[1], ends[0], atol=1e-12)
+
+
+@pytest.mark.parametrize("size", [(3.0, 2.0), (4.0, 3.0), (9.0, 6.5)])
+def test_header_drawing_and_legend_do_not_overlap(size: tuple[float, float]) -> None:
+    result = drystone.check(arch(0.15, 11), friction=0.7)
+    figure = drystone.save_figure(result, size=size, dpi=100)
+    drawing = figure.axes[0].get_window_extent()
+    assert drawing.height > 0.39 * figure.bbox.height
+    assert all(text.get_window_extent().y0 > drawing.y1 for text in figure.texts[1:])
+    assert all(legend.get_window_extent().y1 < drawing.y0 for legend in figure.legends)
+
+
+def test_a_picture_of_stones_alone_has_the_headline_and_no_facts() -> None:
+    result = drystone.check(arch(0.15, 11), friction=0.7)
+    plain = drystone.save_figure(result, preset="solid")
+    told = " ".join(text.get_text() for text in plain.texts)
+    assert "Stands" in told
+    assert "kg" not in told

@@ -74,7 +74,7 @@ def test_every_kind_of_figure_is_cut(standing, tmp_path):
         save_figure(standing, tmp_path / name, size=(3, 2), dpi=40, section="x", **how)
         assert (tmp_path / name).stat().st_size > 1000
     falling = drystone.check(arch(0.2, 6), friction=0.2)
-    save_figure(falling, tmp_path / "d.svg", size=(3, 2), section="y", names=True)
+    save_figure(falling, tmp_path / "d.svg", section="y", names=True)
     assert "first motion" in (tmp_path / "d.svg").read_text(encoding="utf-8")
 
 

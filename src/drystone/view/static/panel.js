@@ -92,6 +92,7 @@ function contactTable(data, stage, block, actions) {
 }
 
 function percent(share) {
+  if (share > 1.005 && share < Infinity) return "over 100 %"; // its corners carry it
   return Number.isFinite(share) ? `${Math.round(100 * share)} %` : "\u221e";
 }
 

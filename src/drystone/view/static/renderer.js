@@ -2,7 +2,7 @@
 
 const NETWORK_WIDTH = 7; // [CSS pixels], of the largest force
 const HEAD = 9; // [CSS pixels], length of an arrow's head
-const HIDDEN = 0.45; // opacity of what lies behind opaque blocks
+const HIDDEN = 0.75; // opacity of what lies behind opaque blocks: arrows of help end inside them
 const BEHIND = 0.16; // opacity of edges behind glassy blocks
 const UNSEEN = 0.06; // opacity of lines below which nobody sees them
 

@@ -137,7 +137,7 @@ def test_a_3dm_has_layers_for_blocks_forces_and_the_motion(falling, standing, tm
     save_cad(standing, tmp_path / "arch.3dm")
     file = rhino3dm.File3dm.Read(str(tmp_path / "arch.3dm"))
     shown = {layer.FullPath: layer.Visible for layer in file.Layers}
-    assert shown["drystone::force network"]
+    assert shown["drystone::force network (normal forces)"]
     assert not shown["drystone::pressure at a corner"]
     told = [
         float(item.Attributes.GetUserString("normal force [N]"))
