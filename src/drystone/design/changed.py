@@ -16,7 +16,7 @@ from drystone.base.arrays import SAME, Bools, Floats
 from drystone.base.display import OneLine, named
 from drystone.base.errors import InputError, counted
 from drystone.base.table import Table
-from drystone.contacts import Contacts
+from drystone.design.props import posts
 from drystone.geometry.polyhedron import edges_of
 from drystone.joint_capacity import JointCapacity
 from drystone.model import Model
@@ -195,7 +195,7 @@ class Changed(Answer):
         layers += _outlines(before.assembly, result.assembly)
         names = result.assembly.names
         added = np.array([name not in before.assembly for name in names], dtype=bool)
-        layers += _props(result.contacts, stage.layers, added)
+        layers += _props(result.model, stage.layers, added)
         added &= stage.state != State.FALLING
         state = np.where(added, State.ADDED, stage.state)
         stage = replace(stage, state=state, layers=tuple(layers))
@@ -204,20 +204,16 @@ class Changed(Answer):
         return Scene(result.assembly, result.contacts, (stage,), "drystone: mended", shown)
 
 
-def _props(contacts: Contacts, layers: Sequence[Layer], added: Bools) -> list[Layer]:
+def _props(model: Model, layers: Sequence[Layer], added: Bools) -> list[Layer]:
     """The forces of supports that are added: a block without contact shows no direction."""
-    made = []
+    contacts, made = model.contacts, []
     for one in layers:
         if one.key == "reactions" and one.vector is not None and one.interface is not None:
-            own = added[contacts.block_a[one.interface]] | added[contacts.block_b[one.interface]]
-            made.append(
-                replace(
-                    one, key="props", label="force of the prop", colour="help", group="help",
-                    position=one.position[own], vector=one.vector[own],
-                    interface=one.interface[own],
-                )
-            )  # fmt: skip
-    return [one for one in made if one.count]
+            ends = np.stack([contacts.block_a[one.interface], contacts.block_b[one.interface]])
+            own = added[ends].any(axis=0)
+            size = np.where(added[ends], 0.0, model.assembly.size[ends]).max(axis=0)
+            made += posts(one.position[own], one.vector[own], size[own])
+    return made
 
 
 def _outlines(before: Assembly, after: Assembly) -> list[Layer]:

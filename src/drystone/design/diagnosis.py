@@ -26,6 +26,7 @@ from drystone.design.bench import Bench
 from drystone.design.joint_motion import JointState, joint_states, sentence
 from drystone.design.margin import LARGE_REGION, soon_at_rest
 from drystone.design.needs import Needs, one_force, pulls_of, search_needs
+from drystone.design.props import posts
 from drystone.design.regions import (
     interfaces_of,
     local_model,
@@ -309,17 +310,12 @@ class Diagnosis(Answer):
     def layers(self) -> Scene:
         """The model with its first motion and the forces that would hold it."""
         stage = self.result.stage("diagnosis")
-        needed = [
-            Layer(
-                key, label, LayerKind.ARROWS, "help", point, force, single=True, width=2.0,
-                group="help",
-            )
-            for key, label, (point, force) in (
-                ("help", "props that would hold it", self.props),
-                ("missing", "forces that are missing", self.missing),
-            )
-            if len(point)
-        ]  # fmt: skip
+        needed = self._posts()
+        point, force = self.missing
+        if len(point):
+            label, kind = "forces that are missing", LayerKind.ARROWS
+            needed += [Layer("missing", label, kind, "help", point, force, single=True, width=2.0,
+                             group="help")]  # fmt: skip
         shown = [layer for layer in stage.layers if layer.kind is not LayerKind.ARROWS]
         stage = replace(
             stage,
@@ -329,6 +325,10 @@ class Diagnosis(Answer):
             layers=(*shown, *needed),
         )
         return replace(self.result.layers(), stages=(stage,))
+
+    def _posts(self) -> list[Layer]:
+        blocks = [one.block for region in self.regions for one in region.needs.props.props]
+        return posts(*self.props, self.model.assembly.size[blocks], " that would hold it")
 
     def numbers(self) -> Mapping[str, Any]:
         """Of each region: its joints, and what would hold it."""

@@ -12,13 +12,15 @@ from itertools import product
 import numpy as np
 import shapely
 
+from drystone.answer import Layer, LayerKind
 from drystone.assembly import Block
-from drystone.base.arrays import SAME, Floats, Ints, frozen
+from drystone.base.arrays import SAME, Floats, Ints, frozen, lengths
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
 from drystone.contacts import Contacts
 from drystone.design.changed_model import changed, fresh_name, usual_friction
 from drystone.design.margin import LARGE_REGION, SPARE, soon_at_rest
+from drystone.design.words import newtons
 from drystone.free_faces import FreePart, free_parts
 from drystone.geometry.convex_pieces import solid_of
 from drystone.geometry.frames import frames_from_normals, rotation_about
@@ -432,3 +434,23 @@ def _forces(
     found = rest.resultants
     last = zip(some, found.position[-len(some) :], found.force[-len(some) :], strict=True)
     return [PropForce(seat, frozen(at), frozen(force)) for seat, at, force in last]
+
+
+def posts(point: Floats, force: Floats, size: Floats, what: str = "") -> list[Layer]:
+    """Props in a picture: posts of half the size of their blocks, along their forces.
+
+    Parameters
+    ----------
+    point : (p, 3) [m]
+    force : (p, 3) [N]
+        On the blocks.
+    size : (p,) [m]
+    what
+        Of the props, in the legend.
+    """
+    strength = lengths(force)
+    if not strength.any():
+        return []
+    way = -force * (0.5 * size / np.maximum(strength, 1e-300))[:, None]
+    told = f"{counted(len(point), 'prop')}{what}, up to {newtons(float(strength.max()))}"
+    return [Layer("help", told, LayerKind.LINES, "help", point, way, width=4.0, group="help")]

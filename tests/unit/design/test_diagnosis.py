@@ -256,7 +256,7 @@ def test_check_tells_the_cause_and_mend_what_would_hold_it(
     assert region["neighbours"] == ["ramp"]
     assert [joint["motion"] for joint in region["joints"]] == ["slides"]
     assert region["needs"]["supports"][0]["block"] == "block"
-    assert "props that would hold it" in page.read_text(encoding="utf-8")
+    assert "1 prop that would hold it" in page.read_text(encoding="utf-8")
 
 
 def test_forces_on_several_blocks_that_balance_each_other_are_not_added_up() -> None:
