@@ -291,7 +291,7 @@ def _thicker(asked: KnownNeeds) -> Proposals:
     bench = asked.bench
     stay = bench.kept(bench.own)
     if stay:
-        yield _kept("thicker", "its blocks", stay)
+        yield _kept("thicker", "its blocks get thicker together, and some", stay)
         return
 
     def make(share: float, model: Model, blocks: Ints, _: Ints) -> Model:

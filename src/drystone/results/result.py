@@ -76,7 +76,7 @@ class Result(Solution, Answer):
         """The verdict, how it was found, and the contact stiffnesses."""
         word = self.verdict.upper() + (" (sensitive)" if self.sensitive else "")
         said = [Sentence(word, Role.of(self.verdict)), Sentence(self.message)]
-        if self.samples.tried:
+        if self.samples.tried and self.verdict is not Verdict.UNSTABLE:
             tried, standing = self.samples.tried, self.samples.standing
             words = f"stands for {standing} of {tried} tried"
             said.append(Sentence(f"contact stiffness, which nobody knows: {words}"))

@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-import pytest
 from scipy.spatial.transform import Rotation
 
 import drystone
 from drystone.answer.question import asked_line
 from drystone.assembly import replace_block
+from drystone.base.arrays import lengths
 from drystone.checks import corner_motion
 from drystone.design import Changed, DiagnosisOptions, MendOptions, find_mends
 from drystone.design.changes import ballasted, glued
@@ -29,9 +29,14 @@ def test_a_diagnosis_shows_the_props_that_would_hold_it_and_nothing_else_pulls()
     found = drystone.diagnose(replace(model, origin=Origin("folder/arch.json")))
     scene = scene_of(found)
     (stage,) = scene.stages
-    (props,) = [layer for layer in stage.layers if layer.kind is LayerKind.ARROWS]
-    assert (props.key, props.colour, props.single) == ("help", "help", True)
-    np.testing.assert_array_equal(props.vector, found.props[1])
+    assert not [layer for layer in stage.layers if layer.kind is LayerKind.ARROWS]
+    (props,) = [layer for layer in stage.layers if layer.key == "help"]
+    assert (props.kind, props.colour) == (LayerKind.LINES, "help")
+    assert props.vector is not None
+    point, force = found.props
+    np.testing.assert_array_equal(props.position, point)
+    along = (props.vector * force).sum(axis=1)  # a post stands where its force comes from
+    np.testing.assert_allclose(along, -np.prod([lengths(props.vector), lengths(force)], axis=0))
     assert scene.facts["File"] == "arch.json"
     assert "friction" in stage.message
     assert (stage.state == State.FALLING).any()
@@ -128,11 +133,11 @@ def test_what_a_mend_added_is_marked_and_what_was_there_is_not() -> None:
 def test_the_picture_of_a_prop_has_its_force_and_the_page_its_option_unbroken() -> None:
     found = find_mends(incline(20.0), friction=0.2, options=MendOptions(kinds=("prop",)))
     scene = scene_of(found)
-    (force,) = [layer for layer in scene.stages[1].layers if layer.key == "props"]
+    (post,) = [layer for layer in scene.stages[1].layers if layer.key == "help"]
     assert "a prop of 1.46 kN" in scene.stages[1].headline
-    assert force.largest == pytest.approx(1460.0, abs=5.0)
-    assert force.vector is not None
-    assert force.vector[0, 0] < 0.0  # towards -x, as its sentence says
+    assert post.label == "1 prop, up to 1.46 kN"
+    assert post.vector is not None
+    assert post.vector[0, 0] > 0.0  # its force is towards -x, as its sentence says
     assert "<code>--apply 1</code>" in panel(scene.charts[0])
 
 
