@@ -12,6 +12,7 @@ import re
 import sys
 import types
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from itertools import pairwise
 from numbers import Integral
 from pathlib import Path
 from typing import Any, Literal, Union, Unpack, get_args, get_origin, get_type_hints
@@ -192,8 +193,7 @@ def _entries(text: str) -> Iterator[tuple[str, dict[str, Any]]]:
     more: dict[str, Any] = {}
     told: list[str] = []
     inside = False
-    lines = text.splitlines()
-    for line, below in zip(lines, [*lines[1:], ""], strict=True):
+    for line, below in pairwise([*text.splitlines(), ""]):
         if below.startswith("---"):
             inside = line in _SECTIONS
         elif inside and line and not line.startswith((" ", "-")):

@@ -42,9 +42,7 @@ class Options(OneLine):
             refuse_wrong([(name, value)], hints)
             if (made := _of_kind(value, hints[name])) is not value:
                 object.__setattr__(self, name, made)
-            ends = documented(own).get(name, {}).get("ends", {})
-            if isinstance(made, int | float) and (remedy := beyond(made, ends)):
-                raise InputError(f"{name} is {made:g}", remedy=remedy)
+            _refuse_beyond(own, name, made)
 
     @classmethod
     def of(cls, given: Self | None) -> Self:
@@ -95,7 +93,7 @@ def checked_call(function: Callable[P, R]) -> Callable[P, R]:
             )
         if not named.keys() <= own:
             _refuse_unknown(function, named)
-        _refuse({**dict(zip(known, given, strict=False)), **named}, hints_of(function))
+        _refuse(function, {**dict(zip(known, given, strict=False)), **named})
         limit = number(named.get("time_limit_s", 0.0), "the time limit", finite=False)
         if not limit >= 0.0:
             raise InputError(f"the time limit is {limit} s", remedy="give 0 or more")
@@ -132,12 +130,21 @@ def hold(room: dict[str, Any]) -> None:
             room[name].__module__ = room["__name__"]  # where it is found when it was sent on
 
 
-def _refuse(asked: Mapping[str, Any], hints: Mapping[str, Any]) -> None:
-    """Refuse values that annotations do not allow, and counts above a million."""
+def _refuse(of: Any, asked: Mapping[str, Any]) -> None:
+    """Refuse values that annotations or ranges do not allow, and counts above a million."""
+    hints = hints_of(of)
     refuse_wrong(asked.items(), hints)
     for name, value in asked.items():
         if isinstance(value, int) and int in kinds_of(hints.get(name)):
             refuse_many(value, name, 1_000_000)
+        _refuse_beyond(of, name, value)
+
+
+def _refuse_beyond(of: Any, name: str, value: Any) -> None:
+    """Refuse a number that is out of the range that a documentation says."""
+    ends = documented(of).get(name, {}).get("ends", {})
+    if isinstance(value, int | float | np.number) and (remedy := beyond(value, ends)):
+        raise InputError(f"{name} is {value:g}", remedy=remedy)
 
 
 def _held(make: Callable[..., R]) -> Callable[..., R]:
@@ -150,7 +157,7 @@ def _held(make: Callable[..., R]) -> Callable[..., R]:
         if not open_ended:
             refuse_unknown(named, known, f"{make.__name__} has")
         asked = {**dict(zip(known, given, strict=False)), **named}
-        _refuse(asked, hints)
+        _refuse(make, asked)
         for name, value in asked.items():
             if hints.get(name) is float:
                 asked[name] = number(value, name)

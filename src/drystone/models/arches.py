@@ -45,11 +45,11 @@ def arch(
 
     Parameters
     ----------
-    thickness_ratio
+    thickness_ratio : > 0, < 2
         Thickness over centre-line radius. Under self-weight the least that stands is 0.1075
         (Milankovitch 1907); published tilt limits at 0.15 are 8.2 degrees for a friction angle of
         43 degrees and 3.0 for 21.8 (Kao et al. 2022).
-    voussoirs
+    voussoirs : >= 2
         Free blocks, plane-faced: corners lie on the two circles.
     radius : [m]
         Of the centre line.
@@ -61,8 +61,6 @@ def arch(
     Assembly
         ``springer-left``, ``voussoir-00`` from left to right, ``springer-right``.
     """
-    require(0.0 < thickness_ratio < 2.0, "the arch has no opening", "thickness / radius below 2")
-    require(voussoirs > 1, f"an arch of {voussoirs} voussoirs", "give two or more")
     half = 0.5 * thickness_ratio * radius
     joints = radial_joints(radius - half, radius + half, voussoirs)
     size = (2.0 * half, depth, 2.0 * half)
@@ -142,9 +140,9 @@ def barrel_vault(
     radius : [m]
         Of the middle surface.
     thickness, length : [m]
-    courses
+    courses : >= 3
         From springing to springing, the two fixed ones included.
-    blocks
+    blocks : >= 1
         Block lengths per course.
     staggered
         Every other course is shifted by half a block, with half blocks at its ends.
@@ -175,15 +173,15 @@ def vault(
 
     Parameters
     ----------
-    span, rise : [m]
+    span, rise : [m] > 0
         Of the middle line.
-    thickness : [m]
+    thickness : [m] > 0
         Normal to the middle line.
-    length : [m]
+    length : [m] > 0
         Along y at the springings.
-    courses
+    courses : >= 3
         Of equal length along the middle line, from springing to springing.
-    blocks
+    blocks : >= 1
         Block lengths per course.
     flare
         By how much each half of the vault is shorter per metre of height. The head joints fan out.
@@ -193,9 +191,6 @@ def vault(
     Assembly
         ``c00-b00`` along y, course by course from left to right.
     """
-    require(
-        min(span, rise, thickness, length) > 0.0, "a vault without extent", "lengths above zero"
-    )
     require(flare * (rise + thickness) < 0.5 * length, "the ends meet", "reduce the flare")
     joints = _catenary_joints(span, rise, thickness, courses)
     return _in_courses(joints, 0.5 * length, -flare, blocks, True)
@@ -228,9 +223,6 @@ def _in_courses(joints: Floats, half: float, lean: float, blocks: int, staggered
     lines along y: all faces are exactly planar.
     """
     count = len(joints) - 1
-    require(
-        count > 2 and blocks > 0, f"a vault of {count} x {blocks}", "3 courses, 1 block or more"
-    )
     made: list[Block] = []
     fixed: list[bool] = []
     for course, (a, b) in enumerate(pairwise(joints)):

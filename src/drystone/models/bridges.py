@@ -44,26 +44,26 @@ def segmental_bridge(
     ----------
     span, rise : [m]
         Of the intrados; those of ``profile`` where it has points.
-    ring : [m]
+    ring : [m] > 0
         Thickness of a ring, square to the intrados.
-    voussoirs
+    voussoirs : >= 2
         Of each ring; plane-faced, with joints at equal distances along the intrados.
-    width : [m]
+    width : [m] > 0
         Along y.
     profile
         Of the intrados: ``segmental``, ``pointed`` (an even number of voussoirs has a joint at the
         apex), ``elliptic``, ``three-centred`` (arcs of 60 degrees each), the polyline of a .dxf, a
         .csv of x and z, or points such as ``0,0 3,1.5 6,0`` [m].
-    rings
+    rings : >= 1
         Rings, or rolls, one on top of the other, with joints between them.
-    spans
+    spans : >= 1
         Equal ones.
     pier, abutment : [m]
         Widths at the springing.
-    height : [m]
+    height : [m] >= 0
         Of piers and abutments below the springing, which then stand free on a fixed course. At zero
         the springers and the heads of the piers are fixed.
-    courses
+    courses : >= 2
         Of each pier and abutment.
     backing : [m]
         Height of solid masonry above the foot of the extrados, from each haunch to the back of its
@@ -83,11 +83,6 @@ def segmental_bridge(
     >>> bridge.names
     ('springer-left', 'voussoir-00', 'voussoir-01', 'voussoir-02', 'springer-right')
     """
-    require(voussoirs > 1, f"a ring of {voussoirs} voussoirs", "give two or more")
-    require(rings > 0 and spans > 0, f"{rings} rings, {spans} spans", "give one or more")
-    require(ring > 0.0 and width > 0.0, f"a ring of {ring} m, {width} m wide", "above zero")
-    require(height >= 0.0, f"a height of {height} m", "give zero or more")
-    require(courses > 1, f"{courses} courses", "give two or more")
     foot = joints_of(profile, span, rise, voussoirs)
     joints = foot[:, :1] + ring * np.arange(rings + 1)[:, None] * foot[:, 1:]  # (j, rings + 1, 2)
     _require_simple(joints)

@@ -40,7 +40,7 @@ def dome(
         Of the middle surface.
     thickness : [m]
         Constant, or at the base and at the top, linear in latitude between.
-    oculus : [m]
+    oculus : [m] >= 0
         Radius of the opening on the middle surface; at zero the top ring closes at the pole.
     slices, rings
         Blocks per ring, and number of rings of equal latitude. The lowest ring is fixed.
@@ -61,7 +61,7 @@ def dome(
     low, high = _two(thickness)
     require(slices > 2 and rings > 1, f"a dome of {slices} x {rings}", "3 slices, 2 rings or more")
     require(min(low, high) > 0.0 and max(low, high) < 2.0 * radius, "no such thickness", "0 to 2 R")
-    require(0.0 <= oculus < radius, f"an oculus of {oculus} m", "between zero and the radius")
+    require(oculus < radius, f"an oculus of {oculus} m", "less than the radius")
     latitude = np.arccos(oculus / radius) * np.arange(rings + 1) / rings
     half = 0.5 * np.linspace(low, high, rings + 1)
     parts = 2 * slices if bonded else slices
@@ -103,11 +103,11 @@ def lune(
 
     Parameters
     ----------
-    thickness_ratio
+    thickness_ratio : > 0, < 2
         Thickness over the radius of the middle surface.
-    rings
+    rings : >= 2
         Voussoirs from the ground to the pole, of equal latitude.
-    angle : [degrees]
+    angle : [degrees] > 0, < 90
         Between the walls.
     radius : [m]
         Of the middle surface.
@@ -117,8 +117,6 @@ def lune(
     Assembly
         ``ground``, ``wall-left``, ``wall-right``, all fixed, and ``ring-00`` upwards.
     """
-    require(0.0 < thickness_ratio < 2.0, "no such thickness", "thickness / radius below 2")
-    require(rings > 1 and 0.0 < angle < 90.0, f"a lune of {rings} rings, {angle} deg", "2, 0 to 90")
     half = np.deg2rad(0.5 * angle)
     sphere = radius * (1.0 + 0.5 * thickness_ratio * np.array([-1.0, 1.0]))
     latitude = 0.5 * np.pi * np.arange(rings + 1) / rings
@@ -166,7 +164,7 @@ def curve_three_blocks(strips: int = 20) -> Assembly:
 
     Parameters
     ----------
-    strips
+    strips : >= 2
         Plane pieces of each of the two joints.
 
     Returns
@@ -174,7 +172,6 @@ def curve_three_blocks(strips: int = 20) -> Assembly:
     Assembly
         ``base``, fixed, ``cradle`` and ``roller``.
     """
-    require(strips > 1, f"a curve of {strips} strips", "give two or more")
     curves = sections("curve-three-blocks")
     bed, hollow = resampled(curves["bed"], strips), resampled(curves["hollow"], strips)
     corners = {
@@ -208,7 +205,7 @@ def cube_curve(height: Literal["short", "tall"] = "short", strips: int = 18) -> 
     ----------
     height
         ``short``: 1.1 m, corners of the rim at 0.9 and 0.2 m. ``tall``: 2.6 m, at 1.7 and 1.0 m.
-    strips
+    strips : >= 4
         Plane pieces of the rim along each wall, the two mitred corners included.
 
     Returns
@@ -216,8 +213,6 @@ def cube_curve(height: Literal["short", "tall"] = "short", strips: int = 18) -> 
     Assembly
         ``lower``, fixed, and ``upper``.
     """
-    require(height in ("short", "tall"), f"no model is '{height}'", "short or tall")
-    require(strips > 3, f"a rim of {strips} strips", "give four or more")
     first, *curve, last = sections("cube-curve")["rim"]
     rim = np.vstack([first, resampled(curve, strips - 2), last])
     lift, top = (0.0, 1.1) if height == "short" else (0.8, 2.6)

@@ -19,7 +19,7 @@ def dovetail(
 
     Parameters
     ----------
-    flare_deg : [degrees]
+    flare_deg : [degrees] > 0, < 60
         Of the sides of the tenon, from the vertical.
     width, height, length : [m]
         Of the tenon: its neck, its height, and along y.
@@ -34,7 +34,6 @@ def dovetail(
     >>> dovetail().names
     ('groove', 'tenon')
     """
-    require(0.0 < flare_deg < 60.0, f"a flare of {flare_deg} degrees", "0 to 60")
     neck = 0.5 * width
     foot = neck + height * float(np.tan(np.deg2rad(flare_deg)))
     low, side = -0.5 * height, foot + 0.5 * width
@@ -92,7 +91,7 @@ def bayonet(locked_deg: float = 90.0) -> Assembly:
 
     Parameters
     ----------
-    locked_deg : [degrees]
+    locked_deg : [degrees] >= 0, <= 90
         Angle between the crossbar and the slot; at zero it lifts straight out.
 
     Returns
@@ -100,7 +99,6 @@ def bayonet(locked_deg: float = 90.0) -> Assembly:
     Assembly
         ``socket``, ``plate-left`` and ``plate-right``, fixed, and ``peg``.
     """
-    require(0.0 <= locked_deg <= 90.0, f"a turn of {locked_deg} degrees", "0 to 90")
     floor, under, top = -0.4, 0.5, 0.8
     half, slot = 2.5, 0.5
     walls = [
@@ -162,7 +160,7 @@ def burr(cell: float = 0.1) -> Assembly:
 
     Parameters
     ----------
-    cell : [m]
+    cell : [m] > 0
         Edge of a cell; a stick is two cells wide and six long.
 
     Returns
@@ -175,7 +173,6 @@ def burr(cell: float = 0.1) -> Assembly:
     >>> burr().names
     ('key', 'x-low', 'y-high', 'y-low', 'z-high', 'z-low')
     """
-    require(cell > 0.0, f"a cell of {cell} m", "above zero")
     # cut out of each stick; found by trial: only the key, which is whole, can be moved first
     notches = sections("burr")
     blocks = []

@@ -14,7 +14,7 @@ import numpy as np
 
 from drystone.assembly import DEFAULT_DENSITY, Assembly, Block
 from drystone.base.arrays import Floats
-from drystone.models.solids import prism, rectangle, require, sections, welded
+from drystone.models.solids import prism, rectangle, sections, welded
 
 
 def bridge(*, load: bool = False) -> Assembly:
@@ -83,7 +83,6 @@ def shelf(fix: Literal[1, 2, 3] | None = None) -> Assembly:
     ('block-11', 'lid')
     """
     given = sections("shelf")
-    require(fix in (None, 1, 2, 3), f"there is no fix {fix}", "1, 2, 3 or none")
     parts = given["blocks"] | given["fixes"].get(str(fix), {})
     depth = given["depth"]
     pieces = [prism(section, depth, f"block-{i}") for i, section in parts.items()]
@@ -155,7 +154,7 @@ def wedge(kind: Literal["a", "b", "c", "d"] = "a", longer: float = 0.0) -> Assem
     Parameters
     ----------
     kind
-    longer : [m]
+    longer : [m] >= 0
         By how much the groove is longer than the wedge at both ends; zero in the source.
 
     Returns
@@ -163,8 +162,6 @@ def wedge(kind: Literal["a", "b", "c", "d"] = "a", longer: float = 0.0) -> Assem
     Assembly
         ``left`` and ``right``, fixed, and ``wedge``.
     """
-    require(longer >= 0.0, f"the groove is longer by {longer} m", "give 0 or more")
-    require(kind in WEDGES, f"there is no wedge of type '{kind}'", f"one of {', '.join(WEDGES)}")
     w, shoulder, top = WEDGES[kind]
     half = [(-2.0, 0.0), (0.0, 0.0), (0.0, 0.5), (-w, shoulder), (-2.0, shoulder)]
     free = [(0.0, 0.5), (w, shoulder), (w, top), (-w, top), (-w, shoulder)]
@@ -236,7 +233,6 @@ def concave(length: Literal["short", "long"] = "short") -> Assembly:
     Assembly
         ``slab``, fixed, and ``plank``.
     """
-    require(length in ("short", "long"), f"no plank is '{length}'", "short or long")
     slab = welded(_slab_faces(), "slab")
     plank = welded(_plank_faces(1.0 if length == "short" else 2.0), "plank")
     return Assembly((slab, plank), np.array([True, False]))

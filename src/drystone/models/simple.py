@@ -43,18 +43,18 @@ def tower(
 
     Parameters
     ----------
-    count
+    count : >= 1
         Courses; the lowest is fixed.
     edge : [m]
         Width, from flat side to flat side.
     course : [m]
         Height of a course; ``edge`` when left out.
-    thickness : [m]
+    thickness : [m] >= 0
         Of the walls around a shaft; 0: solid and square, one block in each course.
-    stones
+    stones : >= 2
         In each course of a hollow tower, with a plan of twice as many sides: 2 for a square of
         L-shaped stones, 4 for an octagon. Courses are turned by half a stone.
-    lean : [degrees]
+    lean : [degrees] >= 0, < 90
         Towards +x, of the whole tower with its joints, as where the ground gave way.
 
     Returns
@@ -69,10 +69,7 @@ def tower(
     >>> len(tower(10, 4.0, course=0.5, thickness=0.8))
     40
     """
-    require(count > 0, f"a tower of {count} courses", "give one or more")
-    require(stones > 1, f"a course of {stones} stones", "give two or more")
-    require(0.0 <= thickness < 0.5 * edge, "the walls leave no shaft", "make them thinner")
-    require(0.0 <= lean < 90.0, f"a lean of {lean:g} degrees", "give 0 to 90, towards +x")
+    require(thickness < 0.5 * edge, "the walls leave no shaft", "make them thinner")
     rise = edge if course is None else course
     blocks = (
         [box((edge, edge, rise), (0.0, 0.0, i * rise), f"block-{i}") for i in range(count)]
@@ -243,7 +240,7 @@ def random_pack(count: int = 30, seed: int = 0, edge: float = 1.0) -> Assembly:
 
     Parameters
     ----------
-    count
+    count : >= 1
         Number of boxes.
     seed
         Of numpy's default generator; the same seed gives the same pack.
@@ -256,7 +253,6 @@ def random_pack(count: int = 30, seed: int = 0, edge: float = 1.0) -> Assembly:
     >>> len(pack), round(float(pack.volume.sum()), 12)
     (12, 1.0)
     """
-    require(count > 0, f"a pack of {count} boxes", "one or more")
     random = np.random.default_rng(seed)
     boxes = [(-(edge**3), (0.0, 0.0, 0.0), (edge, edge, edge))]
     while len(boxes) < count:

@@ -47,7 +47,7 @@ def wall(
 
     Parameters
     ----------
-    courses, length
+    courses, length : >= 1
         Number of courses, and of block lengths per course.
     size : (3,) [m]
         Length, depth and height of a block.
@@ -73,8 +73,6 @@ def wall(
     >>> len(wall(6, 5))
     33
     """
-    require(courses > 0 and length > 0, f"a wall of {courses} x {length} blocks", "one or more")
-    require(bond in ("running", "toothed", "stack"), f"no bond '{bond}'", "running, toothed, stack")
     dx, dy, dz = (float(s) for s in size)
     blocks: list[Block] = []
     lowest = 1
@@ -91,14 +89,13 @@ def wall(
     return Assembly(tuple(blocks), np.arange(len(blocks)) < lowest)
 
 
-def ferris_wall(number: int = 1) -> Assembly:
+def ferris_wall(number: Literal[1, 2] = 1) -> Assembly:
     """Wall 1 (6 courses, 33 blocks) or 2 (10 courses, 55 blocks) of Ferris and Tin-Loi 2001.
 
     Blocks of 0.4 x 0.175 m on a fixed ground, half blocks at the ends of the first, third, ...
     course, friction 0.65, a horizontal body load along x in proportion to the weight. Associative
     limit factors: 0.64286 and 0.58000.
     """
-    require(number in (1, 2), f"there is no wall {number}", "1 or 2")
     return wall(6 if number == 1 else 10, 5, (0.4, 0.2, 0.175), shift_first=True, ground=True)
 
 
@@ -113,11 +110,8 @@ def corbelled_wall(
     It overturns when the centroid of the part above a course is beyond the edge of that course: for
     n free courses when ``(n + 1) * corbel > depth``. Parameters as in :func:`wall`.
     """
-    require(
-        abs(corbel) < float(size[1]),
-        "a course does not rest on the one below",
-        "reduce the step of each course",
-    )
+    rests = abs(corbel) < float(size[1])
+    require(rests, "a course does not rest on the one below", "reduce the step of each course")
     return wall(courses, length, size, corbel=corbel)
 
 

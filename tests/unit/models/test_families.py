@@ -284,7 +284,7 @@ def test_resampling_keeps_points_ends_and_shape(curve: list[tuple[float, float]]
 @pytest.mark.parametrize(
     ("make", "word"),
     [
-        (lambda: models.arch(2.5), "opening"),
+        (lambda: models.arch(2.5), "thickness_ratio is 2.5; give a number above zero, below 2"),
         (lambda: models.arch(voussoirs=1), "voussoirs"),
         (lambda: models.buttressed_arch(depth=2.0), "wider"),
         (lambda: models.dome(slices=2), "slices"),
@@ -293,10 +293,10 @@ def test_resampling_keeps_points_ends_and_shape(curve: list[tuple[float, float]]
         (lambda: models.barrel_vault(courses=2), "courses"),
         (lambda: models.barrel_vault(thickness=5.0), "thickness"),
         (lambda: models.vault(flare=2.0), "ends meet"),
-        (lambda: models.vault(span=0.0), "extent"),
-        (lambda: models.wall(0, 3), "wall"),
+        (lambda: models.vault(span=0.0), "span"),
+        (lambda: models.wall(0, 3), "courses is 0; give 1 or more"),
         (lambda: models.wall(bond="flemish"), "flemish"),
-        (lambda: models.ferris_wall(3), "wall 3"),
+        (lambda: models.ferris_wall(3), "number is 3"),
         (lambda: models.corbelled_wall(corbel=0.4), "rest on the one below"),
         (lambda: models.wedge("e"), "'e'"),
         (lambda: models.concave("medium"), "medium"),
