@@ -19,12 +19,12 @@ from scipy.sparse.linalg import splu
 from scipy.spatial import cKDTree
 
 from drystone.assembly import DEFAULT_DENSITY
-from drystone.base.arrays import Bools, Floats, Ints, number, whole
+from drystone.base.arrays import Bools, Floats, Ints
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
 from drystone.geometry.coincidence import distinct
 from drystone.loads import STANDARD_GRAVITY
-from drystone.shells.patch import Shape, Side, refuse_unless_positive
+from drystone.shells.patch import Shape, Side
 from drystone.shells.sources import patch_from_grid
 
 _ROUNDS = 60
@@ -118,16 +118,16 @@ def find_form(
     plan
         A shape whose patches are flat plans. Its supports keep their height; its other borders move
         until the free edges of the net are in equilibrium.
-    height : [m]
+    height : [m] > 0
         Of the highest node above the lowest support.
-    thickness : [m]
+    thickness : [m] > 0, < inf
         Its weight is the load; that of the plan when left out.
-    rows, columns
-        Nodes of the net along u and v of each patch; 4 or more.
-    edge_density
+    rows, columns : >= 4
+        Nodes of the net along u and v of each patch.
+    edge_density : > 0
         Force density of bars on free edges, relative to that of the others. With a high value free
         edges are nearly straight in plan.
-    density : [kg/m3]
+    density : [kg/m3] > 0
 
     Raises
     ------
@@ -142,15 +142,10 @@ def find_form(
     >>> round(form.height, 6), form.residual < 1e-8
     (2.0, True)
     """
-    for name, value in (("edge density", edge_density), ("density", density)):
-        if not 0.0 < number(value, f"the {name} of a net") < np.inf:
-            raise InputError(f"the {name} of a net is {value!r}", remedy="give a number above zero")
-    nodes = whole(rows, "rows", least=4), whole(columns, "columns", least=4)
     thickness = thickness if thickness is not None else plan.default_thickness
-    refuse_unless_positive(height=height, thickness=thickness)
     if not plan.supports:
         raise InputError("the plan has no support", remedy="name the sides that it stands on")
-    net = _net(plan, nodes, edge_density)
+    net = _net(plan, (rows, columns), edge_density)
     _refuse_line(plan, net)
     point, load, scale, rounds = _balance(net, height, thickness * density)
     force_density = net.density * scale

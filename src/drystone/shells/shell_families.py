@@ -17,7 +17,6 @@ from drystone.shells.patch import (
     Seam,
     Shape,
     Side,
-    refuse_unless_positive,
 )
 
 _VAULT_THICKNESS = 0.075
@@ -30,9 +29,11 @@ def barrel_vault(span: float = 6.0, length: float = 6.0, rise: float | None = No
 
     Parameters
     ----------
-    span : [m], along x
-    length : [m], along y
-    rise : [m]
+    span : [m] > 0
+        Along x.
+    length : [m] > 0
+        Along y.
+    rise : [m] > 0
         Half the span when left out: a semicircle.
 
     Raises
@@ -40,9 +41,7 @@ def barrel_vault(span: float = 6.0, length: float = 6.0, rise: float | None = No
     InputError
         A length that is not positive, or a rise above half the span.
     """
-    refuse_unless_positive(span=span, length=length)
     rise = 0.5 * span if rise is None else rise
-    refuse_unless_positive(rise=rise)
     if rise > 0.5 * span * (1.0 + 1e-12):
         raise InputError(
             f"the rise {rise} m is more than half the span", remedy=f"give {0.5 * span} m or less"
@@ -72,10 +71,10 @@ def dome(
 
     Parameters
     ----------
-    radius : [m]
-    oculus : [m]
+    radius : [m] > 0
+    oculus : [m] > 0
         Radius of the eye.
-    springing_deg : [degrees]
+    springing_deg : [degrees] >= 0, < 90
         Latitude of the springing: 0 for a hemisphere.
     keystone
         Whether one block closes the eye.
@@ -85,10 +84,7 @@ def dome(
     InputError
         The eye is not smaller than the springing.
     """
-    refuse_unless_positive(radius=radius, oculus=oculus)
-    if not (0.0 <= springing_deg < 90.0) or oculus >= radius * math.cos(
-        math.radians(springing_deg)
-    ):
+    if oculus >= radius * math.cos(math.radians(springing_deg)):
         raise InputError(
             f"an eye of {oculus} m radius is not above a springing at {springing_deg} degrees",
             where="dome",
@@ -117,12 +113,10 @@ def cross_vault(span: float = 6.0, springing_deg: float = 25.0) -> Shape:
 
     Parameters
     ----------
-    span : [m]
-    springing_deg : [degrees]
+    span : [m] > 0
+    springing_deg : [degrees] >= 5, <= 60
         Angle at which the webs begin; below it the corner is solid.
     """
-    refuse_unless_positive(span=span)
-    _within(springing_deg, 5.0, 60.0, "springing_deg")
     web = partial(_groined, 0.5 * span, math.radians(springing_deg))
     webs = tuple(Patch(partial(_turned, web, k), name=f"web {k}") for k in range(4))
     seams = tuple(
@@ -145,13 +139,12 @@ def pavilion_vault(span: float = 6.0, eye: float = 1.0, *, keystone: bool = True
 
     Parameters
     ----------
-    span : [m]
-    eye : [m]
+    span : [m] > 0
+    eye : [m] > 0
         Width of the square opening at the crown.
     keystone
         Whether one block closes the eye.
     """
-    refuse_unless_positive(span=span, eye=eye)
     if eye >= span:
         raise InputError(f"the eye, {eye} m, is as wide as the span, {span} m")
     web = partial(_cloistered, 0.5 * span, math.acos(eye / span))
@@ -187,11 +180,11 @@ def tri_dome(
 
     Parameters
     ----------
-    span : [m]
+    span : [m] > 0
         Diameter of the circle through the feet.
-    rise : [m]
+    rise : [m] > 0
         Height of the surface at the axis, if it had no eye.
-    eye : [m]
+    eye : [m] > 0
         Diameter of the opening at the crown.
     keystone
         Whether one block closes the eye.
@@ -201,7 +194,6 @@ def tri_dome(
     InputError
         A length that is not positive, or an eye as wide as the part without openings.
     """
-    refuse_unless_positive(span=span, rise=rise, eye=eye)
     reach, rim = 0.5 * span, 0.5 * eye
     waist = WAIST * reach
     if rim >= waist:
@@ -243,19 +235,19 @@ def _turned(web: PatchFunction, quarters: int, u: Floats, v: Floats) -> Floats:
     return turned
 
 
-def _within(value: float, low: float, high: float, name: str) -> None:
-    if not low <= value <= high:
-        raise InputError(f"{name} is {value}", remedy=f"give {low} to {high} degrees")
-
-
 def rectangular_plan(
     width: float, depth: float, *, open_sides: Sequence[Side] = (Side.TOP,)
 ) -> Shape:
-    """A flat rectangle, v along x over ``width`` [m], u along y over ``depth`` [m].
+    """A flat rectangle, supported on all sides except the open ones.
 
-    It is supported on all sides except the open ones.
+    Parameters
+    ----------
+    width : [m] > 0
+        Along x, the way of v.
+    depth : [m] > 0
+        Along y, the way of u.
+    open_sides
     """
-    refuse_unless_positive(width=width, depth=depth)
     supports = tuple(Edge(0, side) for side in Side if side not in open_sides)
     patch = Patch(partial(_flat, width, depth), name="rectangle")
     return Shape((patch,), (), supports, name="rectangular plan")
@@ -271,14 +263,13 @@ def three_legged_plan(reach: float = 6.0, waist: float = 2.5, foot: float = 2.4)
 
     Parameters
     ----------
-    reach : [m]
+    reach : [m] > 0
         From the middle to the foot of a leg.
-    waist : [m]
+    waist : [m] > 0
         From the middle to the middle of an open side.
-    foot : [m]
+    foot : [m] > 0
         Width of a leg at its foot.
     """
-    refuse_unless_positive(reach=reach, waist=waist, foot=foot)
     if waist >= reach:
         raise InputError(
             f"the waist, {waist:g} m, is not less than the reach, {reach:g} m",
@@ -305,10 +296,9 @@ def three_vault_plan(reach: float = 6.0, waist: float = 2.5, foot: float = 2.4) 
 
     Parameters
     ----------
-    reach, waist, foot : [m]
+    reach, waist, foot : [m] > 0
         As there.
     """
-    refuse_unless_positive(reach=reach, waist=waist, foot=foot)
     turn = np.radians([90.0, 210.0, 330.0])
     out = np.stack([np.cos(turn), np.sin(turn), np.zeros(3)], axis=1)
     side = 0.5 * foot * np.stack([-out[:, 1], out[:, 0], out[:, 2]], axis=1)
