@@ -143,7 +143,7 @@ def documented(of: Any) -> dict[str, dict[str, Any]]:
     return dict(_entries(inspect.getdoc(of) or ""))
 
 
-def beyond(value: float, ends: Mapping[str, float]) -> str:
+def beyond(value: float | np.number[Any], ends: Mapping[str, float]) -> str:
     """What to give in place of a number that is on the wrong side of an end; empty where it is not.
 
     Examples

@@ -20,7 +20,7 @@ from drystone.base.progress import Clock
 from drystone.base.settings import Options, checked_call
 from drystone.design.changed import Changed, Kept
 from drystone.design.joint_cut import JointPlane, joint_plane, recut
-from drystone.design.joint_surgery import STEEPEST, wedge_cut
+from drystone.design.joint_surgery import wedge_cut
 from drystone.design.margin import DesignMargin
 from drystone.design.mends import kept_blocks, stands_already
 from drystone.design.search import bracket, each_needed
@@ -132,11 +132,11 @@ class SharpenOptions(Options):
         (it stands for all contact stiffnesses).
     step : [degrees] > 0
         By which joints with tension are sharpened in each round.
-    most : [degrees] > 0
+    most : [degrees] > 0, < 80
         Largest sharpness of a wedge.
     least : [degrees] >= 0
         Least sharpness of a wedge: one that would be flatter is made plane or as sharp as this.
-    close : [degrees] > 0
+    close : [degrees] >= 0.01
         Accuracy of each sharpness: with any joint less sharp by so much, it no longer stands.
     keep
         Blocks whose joints stay plane: names and patterns, separated by commas, or positions.
@@ -151,25 +151,10 @@ class SharpenOptions(Options):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if not 0.0 < self.most < STEEPEST:
-            raise InputError(
-                f"the largest sharpness is {self.most:g} degrees",
-                remedy=f"give more than 0 and less than {STEEPEST:g}",
-            )
-        if not 0.0 < self.step <= self.most:
-            raise InputError(
-                f"the step is {self.step:g} degrees",
-                remedy="give more than 0, and no more than the largest sharpness",
-            )
-        if not 0.0 <= self.least <= self.most:
-            raise InputError(
-                f"the least sharpness is {self.least:g} degrees",
-                remedy="give 0 up to the largest sharpness",
-            )
-        if not 0.01 <= self.close <= self.step:
-            raise InputError(
-                f"close is {self.close:g} degrees", remedy="give 0.01 degrees up to the step"
-            )
+        for name, upper in (("step", "most"), ("least", "most"), ("close", "step")):
+            value, end = getattr(self, name), getattr(self, upper)
+            if value > end:
+                raise InputError(f"{name} is {value:g} degrees", remedy=f"give up to {end:g}")
 
 
 @checked_call

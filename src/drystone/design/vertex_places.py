@@ -120,10 +120,8 @@ def _symmetries(mirror: str | None, sectors: int) -> Floats:
     Raises
     ------
     InputError
-        The axis is unknown, there is less than one sector, or sectors are mirrored upside down.
+        The axis is unknown, or sectors are mirrored upside down.
     """
-    if sectors < 1:
-        raise InputError(f"sectors is {sectors}", remedy="give 1 or more")
     if sectors > 1 and mirror == "z":
         raise InputError("sectors about z are not mirrored along z", remedy="give x or y")
     angle = 2.0 * np.pi * np.arange(sectors) / sectors

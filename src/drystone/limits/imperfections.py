@@ -14,7 +14,7 @@ from scipy.special import betaincinv
 from drystone.answer import Answer, Role, Scene, Sentence
 from drystone.answer.chart import Chart, MarkKind, Marks
 from drystone.answer.drawing import bare_scene
-from drystone.base.arrays import Floats, frozen, frozen_floats, whole
+from drystone.base.arrays import Floats, frozen, frozen_floats
 from drystone.base.errors import InputError, counted
 from drystone.base.progress import Clock
 from drystone.base.ragged import Ragged
@@ -258,7 +258,7 @@ def imperfections(
         Number of random structures.
     seed : >= 0
         The same seed gives the same draws, with any executor.
-    confidence
+    confidence : > 0, < 1
         Confidence level of the interval (Clopper and Pearson 1934, exact for any number of draws).
     check
         Any function that answers whether an assembly stands. An undecided draw does not count as
@@ -273,11 +273,6 @@ def imperfections(
         raise InputError(
             "nothing is imperfect", remedy="give Imperfections(tolerance=0.002) or others"
         )
-    if draws < 1:
-        raise InputError(f"{draws} draws", remedy="give one or more")
-    whole(seed, "the seed", least=0)
-    if not 0.0 < confidence < 1.0:
-        raise InputError(f"confidence is {confidence}", remedy="give a share between 0 and 1")
     orders = _orders(loading)
     clock = Clock.of(how)
     model = as_model(given, **how)

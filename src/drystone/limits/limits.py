@@ -71,7 +71,7 @@ def limit_tilt(
     axis : (3,) or a name
         Turned counter-clockwise about ``x``, ``y``, ``-x``, ``-y`` or a vector; when left out, the
         one of those four with the least tilt.
-    upper : [degrees] > 0
+    upper : [degrees] > 0, <= 360
         Largest angle of the search.
     check
         A function that gives the verdict on a model. When left out, that of drystone: first with
@@ -127,16 +127,13 @@ def tilt_limit(
 ) -> Limit:
     """As :func:`limit_tilt`; ``first`` as in :func:`drystone.limits.bounds.tilt_bound`."""
     chosen = means.options
-    last = number(upper, "the largest angle")
-    if not 0.0 < last <= 360.0:
-        raise InputError(f"the largest angle is {last}", remedy="give degrees from 0 to 360")
     width = _WIDTH_DEG if chosen.width is None else chosen.width
     return searched(
         family,
         0.0,
-        last,
+        upper,
         lambda stop: (
-            tilt_bound(family, last, width=width, cone=chosen.cone, stop=stop, first=first),
+            tilt_bound(family, upper, width=width, cone=chosen.cone, stop=stop, first=first),
             width,
         ),
         means,
@@ -157,7 +154,7 @@ def limit_friction(
 
     Parameters
     ----------
-    upper : coefficient > 0
+    upper : coefficient > 0, < inf
         Start of the search; when left out, the largest coefficient of the joints (1 with
         ``scaled``).
     scaled
@@ -171,7 +168,7 @@ def limit_friction(
         raise InputError("no blocks touch", remedy="join near ones with a wider gap (--gap)")
     family = Friction(model, scaled)
     largest = 1.0 if scaled else float(model.contacts.friction.max(initial=0.0))
-    start = largest if upper is None else number(upper, "the largest friction")
+    start = largest if upper is None else upper
     if start <= 0.0:
         raise InputError(f"the largest friction is {start}", remedy="give a number above zero")
     return bisected(family, start, 0.0, 1e-3, means, friction_bound)
@@ -195,7 +192,7 @@ def limit_load(
         The load that grows: ``BLOCK:WHAT[@X,Y,Z]`` as for ``--load``, ``seismic:KX,KY``, or a load
         case of the file by its name. In Python also a load case; a number, the multiple of gravity
         along -z; or an acceleration (3,) [m/s2] of all masses.
-    upper : > 0
+    upper : > 0, < inf
         Largest factor of the search.
     options
         The default width is 1e-4 of the limit.
@@ -212,15 +209,12 @@ def limit_load(
     family = LoadFactor(model, case)
     if not family.acting[model.assembly.free].any():
         raise InputError("the live load is zero on all free blocks", remedy="load a free block")
-    last = number(upper, "the largest factor")
-    if last <= 0.0:
-        raise InputError(f"the largest factor is {last}", remedy="give a number above zero")
     return searched(
         family,
         0.0,
-        last,
+        upper,
         lambda stop: load_factor_bound(
-            family, last, share=_SHARE, width=chosen.width, cone=chosen.cone, stop=stop
+            family, upper, share=_SHARE, width=chosen.width, cone=chosen.cone, stop=stop
         ),
         means,
         _SHARE,

@@ -212,11 +212,9 @@ def tilt_sweep(
     ----------
     given
         A model; or an assembly or a file that ``how`` turns into one.
-    directions
+    directions : >= 1
         Number of azimuths, the first along x: the assembly leans towards each of them.
     """
-    if directions < 1:
-        raise InputError(f"{directions} directions", remedy="give one or more")
     azimuth = 360.0 * np.arange(directions) / directions
     angle = np.deg2rad(azimuth)
     axes = np.stack([-np.sin(angle), np.cos(angle), np.zeros(directions)], axis=1)

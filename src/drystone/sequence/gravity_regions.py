@@ -144,7 +144,7 @@ def gravity_region(
         A model; or an assembly or a file that ``how`` turns into one.
     key
         The block or blocks that are held; the supports of the model when left out.
-    directions
+    directions : >= 1
         Number of directions, evenly spread over the sphere. In Python also directions (g, 3).
     stands
         Whether to compute the full verdict too. It takes longer.
@@ -191,8 +191,6 @@ def gravity_region(
 def _unit_directions(directions: int | Floats) -> Floats:
     """Unit directions (g, 3): so many, or those given."""
     if isinstance(directions, int):
-        if directions < 1:
-            raise InputError(f"{directions} directions", remedy="give one or more")
         return _spread(directions)
     given = frozen_floats(np.atleast_2d(directions), (None, 3), "directions")
     length = np.linalg.norm(given, axis=1, keepdims=True)

@@ -19,6 +19,7 @@ import numpy as np
 from drystone.base.arrays import Bools, Floats, Ints
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
+from drystone.base.settings import Options
 from drystone.model import Model
 from drystone.sequence.freedom import (
     NAMED,
@@ -44,16 +45,16 @@ from drystone.sequence.sweeps import (
 
 
 @dataclass(frozen=True)
-class PathOptions(OneLine):
+class PathOptions(Options):
     """Options of the search for paths.
 
     Attributes
     ----------
-    play
+    play : > 0, < 0.1
         How much the moving block is reduced on all sides, relative to its size.
     turning
         Whether to search paths with rotation if there is no straight path.
-    effort
+    effort : >= 1
         Largest number of swept volumes that are tested for one block.
     up : (3,)
         The preferred direction of paths.
@@ -65,10 +66,7 @@ class PathOptions(OneLine):
     up: tuple[float, float, float] = (0.0, 0.0, 1.0)
 
     def __post_init__(self) -> None:
-        if not 0.0 < self.play < 0.1:
-            raise InputError(f"the play is {self.play}", remedy="give a share of the block's size")
-        if self.effort < 1:
-            raise InputError(f"the effort is {self.effort}", remedy="give one or more")
+        super().__post_init__()
         if not np.linalg.norm(self.up) > 0.0:
             raise InputError("up is zero", remedy="give a direction")
 

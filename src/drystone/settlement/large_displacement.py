@@ -68,7 +68,7 @@ def push(
         The load that grows: ``BLOCK:WHAT[@X,Y,Z]`` as for ``--load``, ``seismic:KX,KY``, or a load
         case of the file by its name; left out, all masses are pushed along x. In Python a load
         case, or forces on all masses as shares (3,) of their weight at 9.81 m/s2.
-    to : [m] > 0
+    to : [m] > 0, < inf
         Displacement at which it ends; left out, the mean size of a block.
     options
         ``fall``, ``carrier``, ``overlap``, ``tangential``, ``pace`` and ``step_limit`` are used;
@@ -105,8 +105,6 @@ def push(
         raise InputError(
             "the load that grows has no force on a free block", remedy="push a free block"
         )
-    if to is not None and not 0.0 < to < np.inf:
-        raise InputError(f"to is {to:g}", remedy="give a length in m above zero")
     shaken = Shaken.of(model.assembly, model.load + case) if case.shake.any() else None
     if shaken is not None:
         model = replace(model, notes=(*model.notes, shaken.words))
@@ -147,7 +145,7 @@ def move_supports(
     motion
         Per support its translation [m] (3,), or translation and rotation vector [m, rad] (6,), as
         in :func:`drystone.settle`.
-    to : [m] > 0
+    to : [m] > 0, < inf
         The motion is made larger or smaller until the corner of a support that moves farthest moves
         by this; left out, it is taken as it is.
     watch
@@ -165,8 +163,6 @@ def move_supports(
     if moving is None or longest == 0.0:
         raise InputError("no support moves", remedy='give a motion, such as {"base": (0, 0, -0.1)}')
     if to is not None:
-        if not 0.0 < to < np.inf:
-            raise InputError(f"to is {to:g} m", remedy="give a length above zero")
         moving, longest = moving * (to / longest), to
     still = model.with_load(LoadCase(model.load.wrench, model.load.name, model.load.notes))
 

@@ -215,7 +215,7 @@ def test_check_writes_the_forces_of_corners(model: str, tmp_path: Path, capsys: 
     [
         (["limit", "tilt", "MODEL", "--axis", "0,0,0"], "--axis: axis is zero"),
         (["limit", "tilt", "MODEL", "--axis", "w"], "no axis is called 'w'"),
-        (["limit", "sweep", "MODEL", "--directions", "0"], "0 directions"),
+        (["limit", "sweep", "MODEL", "--directions", "0"], "--directions: is 0"),
         (["limit", "tilt", "MODEL", "--width", "0"], "--width: is 0"),
         (["limit", "tilt", "MODEL", "--scan", "0"], "--scan: is 0"),
         (["limit", "tilt", "MODEL", "--workers", "0"], "--workers: is 0"),

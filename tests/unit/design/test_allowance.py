@@ -70,8 +70,8 @@ def test_parts_of_a_face_move_together_though_a_joint_covers_one() -> None:
 @pytest.mark.parametrize(
     ("blocks", "allowance", "words"),
     [
-        (tower(3), -0.001, "the joint allowance is -0.001 m; give one above zero"),
-        (tower(3), 0.0, "give one above zero"),
+        (tower(3), -0.001, "allowance is -0.001; give a number above zero"),
+        (tower(3), 0.0, "give a number above zero"),
         (tower(3), 1.5, "block 'block-1', face 2: would remove a whole face; move it less"),
         (hooked_bar(), 1.0, "would remove a whole face"),
         (burr(), 0.19, "block 'x-low': the joint allowance would leave 2 pieces of it"),

@@ -145,8 +145,8 @@ def test_loads_keep_their_direction_while_the_model_turns() -> None:
     [
         (lambda: limit_tilt(Model(TOWER, JOINTS), (0.0, 0.0, 0.0)), "axis is zero"),
         (lambda: limit_tilt(Model(TOWER, JOINTS), "w"), "no axis is called 'w'"),
-        (lambda: limit_tilt(Model(TOWER, JOINTS), upper=0.0), "largest angle is 0"),
-        (lambda: limit_friction(Model(TOWER, JOINTS), upper=-1.0), "largest friction is -1"),
+        (lambda: limit_tilt(Model(TOWER, JOINTS), upper=0.0), "upper is 0; give a number above zero, up to 360"),
+        (lambda: limit_friction(Model(TOWER, JOINTS), upper=-1.0), "upper is -1"),
         (lambda: limit_friction(Model(TOWER, JOINTS), upper=float("nan")), "is nan"),
         (
             lambda: limit_load(Model(TOWER, JOINTS), 0.0 * LoadCase.gravity(TOWER)),
@@ -154,15 +154,15 @@ def test_loads_keep_their_direction_while_the_model_turns() -> None:
         ),
         (
             lambda: limit_load(Model(TOWER, JOINTS), LoadCase.gravity(TOWER), upper=-2.0),
-            "largest factor is -2",
+            "upper is -2",
         ),
         (lambda: limit_tilt(Model(TOWER.with_fixed([0, 1]), JOINTS)), "every block is fixed"),
         (lambda: limit_tilt(Model(TOWER, JOINTS, 0.0 * LoadCase.gravity(TOWER))), "nothing loads"),
         (lambda: limit_thickness(lambda t: TOWER, 1.0, 1.0), "no length"),
         (lambda: LimitOptions(width=0.0), "width is 0"),
         (lambda: LimitOptions(scan=0), "scan is 0"),
-        (lambda: tilt_sweep(Model(TOWER, JOINTS), 0), "0 directions"),
-        (lambda: imperfections(Model(TOWER, JOINTS), Imperfections(), draws=0), "0 draws"),
+        (lambda: tilt_sweep(Model(TOWER, JOINTS), 0), "directions is 0"),
+        (lambda: imperfections(Model(TOWER, JOINTS), Imperfections(), draws=0), "draws is 0"),
         (
             lambda: imperfections(Model(TOWER, JOINTS), Imperfections(), confidence=1.0),
             "confidence is 1",

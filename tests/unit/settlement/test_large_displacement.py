@@ -239,7 +239,7 @@ def test_bad_input_is_told() -> None:
         move_supports(tower(2), {"block-1": (0.0, 0.0, 1.0)})
     with pytest.raises(InputError, match="no support moves"):
         move_supports(tower(2), {"block-0": (0, 0, 0, 0, 0, 0)})
-    with pytest.raises(InputError, match="to is -1 m"):
+    with pytest.raises(InputError, match="to is -1"):
         move_supports(tower(2), {"block-0": (0, 0, 1)}, to=-1.0)
     with pytest.raises(InputError, match="every block is fixed"):
         reduce_friction(tower(2).with_fixed([0, 1]))
