@@ -3,7 +3,7 @@
 import gc
 import os
 import sys
-from importlib.util import cache_from_source, find_spec
+from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
@@ -14,19 +14,14 @@ for threads in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
 for size in ("COLUMNS", "LINES"):  # of the terminal of who runs them: tables would depend on it
     os.environ.pop(size, None)
 
-PACKAGE = find_spec("drystone")
-if (
-    sys.dont_write_bytecode
-    and PACKAGE
-    and PACKAGE.origin
-    and not Path(cache_from_source(PACKAGE.origin)).exists()
-):
+ROOT = Path(__file__).parents[1]
+ORIGIN = getattr(find_spec("drystone"), "origin", None) or ""
+if sys.dont_write_bytecode and ORIGIN.startswith(str(ROOT / "src")):
     # Each process that a test starts would compile all that it imports, and each run once more:
     # they share a folder, beside what pytest keeps from one run to the next. A package that is
     # installed is compiled already.
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
-    kept = Path(__file__).parents[1] / ".pytest_cache" / "compiled"
-    os.environ["PYTHONPYCACHEPREFIX"] = str(kept)
+    os.environ["PYTHONPYCACHEPREFIX"] = str(ROOT / ".pytest_cache" / "compiled")
 
 if "PYTEST_XDIST_WORKER" in os.environ:  # what is read while tests are collected is no garbage
     gc.disable()
