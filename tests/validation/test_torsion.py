@@ -12,8 +12,9 @@ import numpy as np
 import pytest
 
 from drystone import Assembly, Block, CheckOptions, LoadCase, Model, Result, check, limits
-from drystone.models import dome, prism, tower
-from drystone.results import Sensitivity
+from drystone.models import dome, prism, tower, wall
+from drystone.results import Sensitivity, Verdict
+from drystone.settlement import Outcome
 
 FRICTION = 0.5
 SQUARE = (np.sqrt(2.0) + np.arcsinh(1.0)) / 6.0
@@ -368,3 +369,25 @@ def test_of_joints_that_turn_the_one_that_carries_is_named_before_a_faint_one() 
     (said,) = [one.text for one in result.sentences() if "its corners" in one.text]
     assert said.startswith("the joint of 'ground' and 'large'")
     assert f"turns with {100.0 * used:.0f} %" in said
+
+
+def test_what_settles_on_its_corners_is_followed_on_spread_points_as_well() -> None:
+    blocks = wall(14, 10)
+    model = Model.of(blocks, friction=0.6)
+    twisted = blocks.names.index("c12-b00")
+    turned = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 1.0])
+    for torque, verdict, what in (
+        (100.0, Verdict.STABLE, ()),
+        (109.9, Verdict.STABLE, (Sensitivity.PRESSURE,)),
+        (112.6, Verdict.UNDECIDED, (Sensitivity.JOINTS, Sensitivity.PRESSURE)),
+        (125.0, Verdict.UNSTABLE, ()),
+    ):
+        found = check(loaded(model, torque * turned, block=twisted))
+        assert (found.verdict, found.sensitive_to) == (verdict, what)
+    found = check(loaded(model, 112.6 * turned, block=twisted))
+    assert found.settlement is not None
+    assert found.settlement.outcome is Outcome.PRESSURE_DECIDES
+    assert "on the corners of these it comes to rest" in found.message
+    assert "spread over their faces it falls: 'c13-b00'" in found.message
+    said = [one.text for one in found.settlement.sentences()]
+    assert any(one.endswith("pressure spread over faces: falls") for one in said)

@@ -141,9 +141,9 @@ class Asked:
                 self.planned = len(self.tried)
                 break
 
-    def on_spread_points(self, rest: Candidate, model: Model) -> Model | None:
-        """The model with points spread over its faces, where torsion may need their corners."""
-        points = spread_where_turned(model.contacts, resultants_of(model.contacts, rest.force))
+    def on_spread_points(self, force: Floats, model: Model) -> Model | None:
+        """The model with points on faces whose forces (k, 3) [N] may need their corners, if any."""
+        points = spread_where_turned(model.contacts, resultants_of(model.contacts, force))
         return None if points is None else model.with_contacts(points)
 
     def not_held(self, model: Model, rest: Candidate) -> Model | None:
@@ -157,7 +157,7 @@ class Asked:
             attempt = Attempt(problem, law.uniform(problem.statics), self.clock.late)
             found = attempt.begun_at(rest.displacement)
             self.on_faces = rest = attempt.from_nothing() if found is None else found
-            more = self.on_spread_points(rest, model) if rest.stands else None
+            more = self.on_spread_points(rest.force, model) if rest.stands else None
             self.steps += 0 if more is None else rest.steps
         self.count(rest)
         if rest.stands or self.clock.late():

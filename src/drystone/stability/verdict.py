@@ -25,6 +25,7 @@ from drystone.base.progress import Clock
 from drystone.base.settings import checked_call
 from drystone.base.workers import WorkerPool
 from drystone.io.opening import Given, LongHow, supported_model
+from drystone.joints import SWAY
 from drystone.mechanics import law
 from drystone.mechanics.bodies import LIGHT
 from drystone.model import Model
@@ -175,20 +176,22 @@ def _decided(asked: Asked, pool: WorkerPool, near: Floats | None, rest: Candidat
     spread: Model | None = None
     if uniform.stands:
         if problem.statics.dry and (options.samples or (options.settle and not options.uniform)):
-            spread = asked.on_spread_points(uniform, problem.model)
+            spread = asked.on_spread_points(uniform.force, problem.model)
         if problem.statics.friction.any():  # without it equilibrium decides (static theorem)
             count = max(options.samples - (spread is not None), int(follows))
             asked.try_others(pool, count, uniform)
         if spread is not None:
             spread = None if late() else asked.not_held(spread, uniform)
         if late() or not (follows and _doubtful(asked, uniform)):
-            return asked.stable(uniform, _on_faces(asked, spread if follows else None))
+            return asked.stable(
+                uniform, _on_faces(asked, asked.stands(), spread if follows else None)
+            )
     elif options.uniform or not follows:
         if not options.uniform:
             asked.try_others(pool, SAMPLES if options.settle else options.samples)
         others = [one for one in asked.tried if one.stands]
         return asked.stable(others[0]) if others else asked.first_motion(uniform)
-    return asked.no_answer() if late() else _followed(asked, pool, uniform)
+    return asked.no_answer() if late() else _followed(asked, pool, uniform, spread)
 
 
 def _falls(asked: Asked, collapse: Floats, uniform: Candidate | None = None) -> Result:
@@ -251,16 +254,16 @@ def _doubtful(asked: Asked, rest: Candidate) -> bool:
     return not closing[falling].all()
 
 
-def _on_faces(asked: Asked, spread: Model | None) -> str:
+def _on_faces(asked: Asked, words: str, spread: Model | None) -> str:
     """What stands on the corners of its joints, and what it does on points spread over the faces.
 
     Parameters
     ----------
     asked
+    words
     spread
         The model with these points, where its springs do not hold it.
     """
-    words = asked.stands()
     if spread is None:
         return words
     found = settle_for_verdict(spread, options=asked.options.settlement, stop=asked.clock.late)
@@ -357,6 +360,41 @@ def _over_ends(
     return replace(found, message=f"{found.message}{told}")
 
 
+def _with_spread_points(asked: Asked, found: Settlement, options: SettlementOptions) -> Settlement:
+    """The same where the blocks rest alike on points spread over the faces; else both ways.
+
+    Faces that may need their corners have points, those that do so only then as well; faces that
+    have opened press where they touch. What is not followed to an end says nothing.
+    """
+    model, now = asked.problem.model, found
+    opened = SWAY * np.cbrt(model.assembly.volume[model.assembly.free]).mean()
+    while not asked.clock.late():
+        path = next((one for one in now.paths if one.outcome is Outcome.RESTS), None)
+        if path is None:
+            break
+        contacts = model.contacts
+        gap, force = (one[: contacts.corner_count] for one in (path.gap, path.force))
+        closed = contacts.corners.max(gap)[contacts.interface] < opened
+        points = asked.on_spread_points(np.where(closed[:, None], force, 0.0), model)
+        if points is None:
+            break
+        asked.depends_on(Sensitivity.PRESSURE)
+        if now.outcome is not Outcome.RESTS:
+            break
+        model = points
+        now = settle_for_verdict(model, options=options, stop=asked.clock.late)
+        asked.steps += now.iterations
+    if now.outcome in (Outcome.RESTS, Outcome.UNKNOWN, found.outcome):
+        return found
+    ways = f"on the corners of these {found.message}; spread over their faces {now.message}"
+    return replace(
+        found,
+        outcome=Outcome.PRESSURE_DECIDES,
+        message=f"it depends on the pressure within joints: {ways}",
+        paths=(*found.paths, *now.paths),
+    )
+
+
 def _taken_to_stand(
     asked: Asked, follow: _Follow, ways: dict[float, Settlement], options: SettlementOptions
 ) -> str:
@@ -390,8 +428,8 @@ def _taken_to_stand(
     return "" if late() else f"; it would stand at {held:g} and not at {moves:g}{more}"
 
 
-def _followed(asked: Asked, pool: WorkerPool, uniform: Candidate) -> Result:
-    """The verdict of blocks that are followed by finite steps."""
+def _followed(asked: Asked, pool: WorkerPool, uniform: Candidate, spread: Model | None) -> Result:
+    """The verdict of blocks that are followed by finite steps; ``spread`` as :func:`_on_faces`."""
     asked.report("settlement", 2)
     clock, options = asked.clock, asked.options.settlement
     hardly = asked.problem.unpressed.any()
@@ -413,6 +451,9 @@ def _followed(asked: Asked, pool: WorkerPool, uniform: Candidate) -> Result:
     elif not (certain and found.outcome is Outcome.RESTS):
         found = _with_stiff_shear(asked, follow, found, options)
         found = _over_ends(asked, follow, found, options)
+    settles = hardly or not uniform.stands
+    if settles:  # otherwise this was asked of the rest state
+        found = _with_spread_points(asked, found, options)
     if found.stopped:  # by the clock of the check, which knows why
         message = found.message.replace(found.stopped, clock.reason)
         found = replace(found, message=message, stopped=clock.reason)
@@ -433,10 +474,11 @@ def _followed(asked: Asked, pool: WorkerPool, uniform: Candidate) -> Result:
     words = f"{found.message}; {held}"
     doubted = f"{words}: {asked.sensitive}"
     if found.outcome is Outcome.RESTS:
-        if not uniform.stands or hardly:
+        if settles:
             return asked.settles(found, doubted)
-        # that it slides far was the only doubt
-        return asked.stable(uniform) if certain else asked.stable(uniform, doubted, found)
+        if certain:  # that it slides far was the only doubt
+            return asked.stable(uniform)
+        return asked.stable(uniform, _on_faces(asked, doubted, spread), found)
     if found.outcome in (Outcome.UNKNOWN, *UNDECIDED):
         if clock.late():
             return asked.no_answer()
