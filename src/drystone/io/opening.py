@@ -482,7 +482,7 @@ def as_model(given: Given, **how: Unpack[LongHow]) -> Model:
         return _model_of(Contents(assembly_of(given)), loads, _searched(how), how)
     _refuse(how, (*_OF_FILES, *_OF_THE_SEARCH), "a model")
     require_sound(given.assembly.blocks)
-    return _changed(given, loads, how)
+    return _changed(given, loads, how) if how else given
 
 
 def _changed(model: Model, loads: Loads, how: How) -> Model:
