@@ -12,7 +12,7 @@ import numpy as np
 from drystone import virtual
 from drystone.answer import Answer, Layer, LayerKind, Role, Scene, Sentence, Verdict
 from drystone.answer.drawing import areas, interface_layers
-from drystone.base.arrays import Bools, Floats, Ints, lengths, number
+from drystone.base.arrays import Bools, Floats, Ints, lengths
 from drystone.base.declared import Offered
 from drystone.base.errors import InputError, counted
 from drystone.base.progress import Progress, Stop
@@ -278,7 +278,7 @@ def find_forces(
     gamma : > 0
         Cost of tension by that of compression (1e6; in the penalty form as far as it converges,
         1000 at most).
-    threshold : coefficient >= 0
+    threshold : coefficient >= 0, < inf
         Friction that the resultant of a joint may use: joints are coloured by it, while friction
         bounds the forces at corners.
     virtual
@@ -314,8 +314,6 @@ def find_forces(
         _refuse_of_rbe(objective=objective, rule=rule, cone=cone)
     if form in ("cra", "file") and gamma is not None:
         raise InputError(f"form {form} has no cost", where="gamma", remedy="ask for form penalty")
-    if threshold is not None:
-        threshold = number(threshold, "threshold")
     if form == "file":
         if len(virtual):
             raise InputError(

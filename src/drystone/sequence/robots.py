@@ -64,11 +64,8 @@ def check_robots(robots: Sequence[Robot]) -> tuple[Robot, ...]:
     Raises
     ------
     InputError
-        Two robots have the same name, or one is no robot.
+        Two robots have the same name.
     """
-    for robot in robots:
-        if not isinstance(robot, Robot):
-            raise InputError(f"a {type(robot).__name__} is no robot", where="robots")
     names = [robot.name for robot in robots]
     if len(set(names)) != len(names):
         raise InputError(
