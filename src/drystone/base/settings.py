@@ -141,10 +141,11 @@ def _refuse(of: Any, asked: Mapping[str, Any]) -> None:
 
 
 def _refuse_beyond(of: Any, name: str, value: Any) -> None:
-    """Refuse a number that is out of the range that a documentation says."""
+    """Refuse a number, or one of several, that is out of the range that a documentation says."""
     ends = documented(of).get(name, {}).get("ends", {})
-    if isinstance(value, int | float | np.number) and (remedy := beyond(value, ends)):
-        raise InputError(f"{name} is {value:g}", remedy=remedy)
+    for one in value if isinstance(value, tuple | list) else (value,):
+        if isinstance(one, int | float | np.number) and (remedy := beyond(one, ends)):
+            raise InputError(f"{name} is {one:g}", remedy=remedy)
 
 
 def _held(make: Callable[..., R]) -> Callable[..., R]:

@@ -29,7 +29,7 @@ import numpy as np
 
 from drystone.answer.question import UP
 from drystone.assembly import Assembly, Block
-from drystone.base.arrays import Bools, Floats, frozen_floats
+from drystone.base.arrays import Bools, Floats
 from drystone.base.declared import Offered
 from drystone.base.errors import InputError, counted
 from drystone.base.progress import Clock, LongWork
@@ -248,7 +248,7 @@ class RecutOptions(Options):
 
     Attributes
     ----------
-    angles_deg : [degrees]
+    angles_deg : [degrees] > 0, < 60
         Each joint is turned by the angle about an edge, to both sides, then made a wedge of it.
     most : >= 1
         Number of changes that are tried in all.
@@ -259,12 +259,6 @@ class RecutOptions(Options):
     angles_deg: tuple[float, ...] = (10.0, 20.0, 30.0)
     most: int = 200
     plan: PlanOptions = field(default_factory=PlanOptions)
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        angles = frozen_floats(self.angles_deg, (None,), "angles_deg")
-        if not ((angles > 0.0) & (angles < 60.0)).all():
-            raise InputError("angles must lie between 0 and 60 degrees", where="angles_deg")
 
 
 @checked_call

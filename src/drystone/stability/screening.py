@@ -16,7 +16,6 @@ PATIENT     follows the stick-slip law as far as :func:`drystone.check` does
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import inf
 
 from drystone.base.errors import InputError
 from drystone.base.settings import Options
@@ -45,7 +44,7 @@ class Screening(Options):
 
     Attributes
     ----------
-    slip_lengths
+    slip_lengths : > 0, < inf
         One friction law each, tried in this order; by the local overlap. ``None`` is the stick-slip
         law.
     numerics
@@ -61,12 +60,8 @@ class Screening(Options):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        laws = self.slip_lengths
-        if not laws or not all(one is None or 0.0 < one < inf for one in laws):
-            raise InputError(
-                f"the slip lengths are {laws}",
-                remedy="give one or more numbers above zero, or None for the stick-slip law",
-            )
+        if not self.slip_lengths:
+            raise InputError("there is no slip length", remedy="give None for the stick-slip law")
 
     def with_slip_lengths(self, *slip_lengths: float | None) -> Screening:
         """The same level with other friction laws."""
