@@ -96,7 +96,7 @@ def test_what_is_not_done_is_said_where_one_looks(phone: Tab, live: Live) -> Non
 
     assert phone.run("document.getElementById('controls').checkVisibility()") is False  # folded
     phone.slide("#friction-number", -1)
-    phone.until("document.getElementById('live-trouble').textContent.includes('zero or more')")
+    phone.until("document.getElementById('live-trouble').textContent.includes('give 0 or more')")
     assert phone.run("document.getElementById('live-trouble').checkVisibility()")
     assert all("400" in one for one in phone.complaints())  # the browser notes the refusal
     phone.close()

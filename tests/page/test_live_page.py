@@ -99,7 +99,7 @@ def test_what_cannot_be_is_refused_in_words_and_the_next_wish_is_answered(browse
     tab = browser.open(live.link)
     verdict(tab, "STABLE")
     tab.slide("#friction-number", -1)
-    tab.until("document.getElementById('live-trouble').textContent.includes('zero or more')")
+    tab.until("document.getElementById('live-trouble').textContent.includes('give 0 or more')")
     tab.until("document.getElementById('friction-number').value !== '-1'")  # it is not kept
     tab.slide("#tilt-number", 9)  # and refuses nothing else
     verdict(tab, "UNSTABLE")

@@ -112,7 +112,7 @@ class Calculator:
 
     def asked(self, message: Mapping[str, Any]) -> tuple[Wish, WishedModel]:
         """The wish in a message, and the model that it makes."""
-        wish = Wish.of(Field(message["wish"], "", Path("wish")))
+        wish = Wish.read(Field(message["wish"], "", Path("wish")))
         return wish, asked(self.models[message["model"]], wish)
 
     def known(self, message: Mapping[str, Any], wish: Wish, what: str = REST) -> dict[int, Floats]:

@@ -146,7 +146,7 @@ def sent(body: bytes) -> Sent:
     top = parse(body, Path("request"))
     top.only(("window", "number", "model", "wish", "task", "extra"))
     wish = top.get("wish", {})
-    Wish.of(Field(wish.value, "", Path("wish")))
+    Wish.read(Field(wish.value, "", Path("wish")))
     task = top.get("task", "").text()
     if task and task not in TASKS:
         raise top["task"].error(f"there is no task '{task[:40]}'", f"there are {', '.join(TASKS)}")

@@ -31,7 +31,7 @@ def python_lines(
     """
     from pathlib import Path
 
-    wish = Wish.of(Field(dict(sent), "", Path("wish")))
+    wish = Wish.read(Field(dict(sent), "", Path("wish")))
     lines = _lines(source, how, wish, bool(facts["moves"]))
     return {"python": "\n".join(lines) + "\n", "case": _case(wish, facts["gravity"])}
 

@@ -260,7 +260,7 @@ def _cases(work: Work) -> Iterator[Event]:
         raise InputError(f"there are {len(listed)} cases", remedy=f"compare {_MOST_CASES} at most")
     for number, one in enumerate(listed):
         try:
-            found = verdict_of(asked(work.model, Wish.of(one)), stop=work.stop)
+            found = verdict_of(asked(work.model, Wish.read(one)), stop=work.stop)
             verdict = {"headline": found.stage.headline, "verdict": found.result.verdict.name}
         except InputError as error:
             verdict = {"headline": str(error), "verdict": ""}

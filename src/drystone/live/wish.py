@@ -11,35 +11,30 @@ import numpy as np
 from drystone.base import units
 from drystone.base.arrays import Floats, Ints
 from drystone.base.errors import InputError
-from drystone.base.settings import checked_call
+from drystone.base.settings import Options, checked_call
 from drystone.design.changed_model import acceleration_of
 from drystone.io.jsontext import Field
 from drystone.limits import Tilt
 from drystone.loads import DOWN, LoadCase
 from drystone.model import Model
 
-_MOST_GRAVITY = 1000.0
-"""[m/s2], chosen: a hundred times that of the earth, as in a centrifuge."""
-_KEYS = ("tilt", "direction", "friction", "gravity", "supports", "removed", "pushes", "moves")
-
-
 _Pulled: TypeAlias = tuple[str, tuple[float, float, float]]
 """Name of a block, and a force or a translation."""
 
 
 @dataclass(frozen=True)
-class Wish:
+class Wish(Options):
     """A load case of the live page.
 
     Attributes
     ----------
-    tilt : [degrees]
+    tilt : [degrees] >= 0, <= 180
     direction : [degrees]
         Where the tilted model leans to, from x towards y.
-    friction
+    friction : >= 0
         Coefficient of all joints; ``None`` for those of the model.
-    gravity : [m/s2]
-        ``None`` for that of the model.
+    gravity : [m/s2] >= 0, <= 1000
+        ``None`` for that of the model. The most is a hundred times that of the earth.
     supports
         Names of the fixed blocks; ``None`` for those of the model.
     removed
@@ -59,20 +54,8 @@ class Wish:
     pushes: tuple[_Pulled, ...] = ()
     moves: tuple[_Pulled, ...] = ()
 
-    def __post_init__(self) -> None:
-        if not 0.0 <= self.tilt <= 180.0:
-            raise InputError(f"the tilt is {self.tilt:g}", remedy="give 0 to 180 degrees")
-        if self.friction is not None and not self.friction >= 0.0:
-            raise InputError(
-                f"the friction is {self.friction:g}", remedy="give a coefficient of zero or more"
-            )
-        if self.gravity is not None and not 0.0 <= self.gravity <= _MOST_GRAVITY:
-            raise InputError(
-                f"gravity is {self.gravity:g} m/s2", remedy=f"give 0 to {_MOST_GRAVITY:g} m/s2"
-            )
-
     @classmethod
-    def of(cls, field: Field) -> Wish:
+    def read(cls, field: Field) -> Wish:
         """The wish in an object of JSON.
 
         Raises
@@ -80,7 +63,7 @@ class Wish:
         InputError
             A value that cannot be, with its place.
         """
-        field.object().only(_KEYS)
+        field.object().only(tuple(cls.__dataclass_fields__))
 
         def number(key: str) -> float | None:
             return field[key].number() if field.has(key) else None

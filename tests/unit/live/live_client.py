@@ -74,7 +74,7 @@ def raw(live: Live, data: bytes) -> bytes:
 
 def wish_of(**values: object) -> Wish:
     """A wish as the page sends it."""
-    return Wish.of(Field(values, "", Path("wish")))
+    return Wish.read(Field(values, "", Path("wish")))
 
 
 def overhang() -> Assembly:

@@ -199,9 +199,9 @@ def test_json_that_cannot_be_used_is_refused_in_words(live: Live, bomb: str) -> 
 
 
 WISHES = {
-    "negative friction": ({"friction": -0.1}, "zero or more"),
-    "negative gravity": ({"gravity": -1}, "0 to 1000"),
-    "tilt": ({"tilt": 400}, "0 to 180"),
+    "negative friction": ({"friction": -0.1}, "give 0 or more"),
+    "negative gravity": ({"gravity": -1}, "give 0 or more, up to 1000"),
+    "tilt": ({"tilt": 400}, "give 0 or more, up to 180"),
     "text": ({"tilt": "8"}, "must be a number"),
     "unknown": ({"colour": 1}, "colour"),
     "move": ({"moves": [{"block": "a", "by": [1, 2]}]}, "not 3"),
