@@ -174,7 +174,7 @@ def test_the_nearest_level_finds_what_rests_near_its_start_and_proves_no_fall():
 
 @pytest.mark.parametrize("slip", [0.0, -1.0, float("inf")])
 def test_a_slip_length_that_is_none_is_refused(slip):
-    with pytest.raises(InputError, match="slip.length"):
+    with pytest.raises(InputError, match="slip_lengths is"):
         QUICK.with_slip_lengths(slip)
 
 
