@@ -352,7 +352,7 @@ def test_moves_that_make_no_sense_are_refused() -> None:
         free_vertices(model, 0.1, directions="w")
     with pytest.raises(InputError, match="cannot move along y"):
         free_vertices(model, 0.1, directions="y")
-    with pytest.raises(InputError, match="largest move"):
+    with pytest.raises(InputError, match="most is 0"):
         free_vertices(model, 0.0)
     with pytest.raises(InputError, match="make the moves of this model"):
         shape(stack(1), block_moves(model, ["brick-1"], (1.0, 0.0, 0.0), 0.1))
