@@ -142,6 +142,17 @@ class Combination(OneLine):
         each = (f"{factor:+.4g} {name}" for name, factor in self.factors.items())
         return " ".join(f"{one[0]} {one[1:]}" for one in each).removeprefix("+ ")
 
+    @property
+    def apart(self) -> tuple[LoadCase, LoadCase]:
+        """Its load by the permanent actions, and by all others."""
+        none = LoadCase(np.zeros_like(self.load.wrench))
+        parts: tuple[list[LoadCase], list[LoadCase]] = [none], [none]
+        for one in self.actions:
+            factor = self.factors.get(one.name, 0.0)
+            parts[one.kind != "permanent"].append(factor * one.load)
+        lasting, others = (LoadCase.combine((1.0, one) for one in each) for each in parts)
+        return lasting, others
+
     def of(self, model: Model) -> Model:
         """The model under this combination, its friction and strength divided.
 

@@ -21,7 +21,8 @@ from drystone.base.settings import checked_call
 from drystone.base.table import Table
 from drystone.base.workers import WorkerPool
 from drystone.io.opening import Given, LongHow, supported_model
-from drystone.limits import LimitOptions, limit_friction, limit_shrink
+from drystone.limits import LimitOptions, limit_friction, limit_load, limit_shrink
+from drystone.loads import LoadCase
 from drystone.loads.applied import applied_loads
 from drystone.loads.earthquake import Shaken
 from drystone.model import Model
@@ -54,6 +55,10 @@ class Combinations(Answer):
         Of each the least shares of the size of the joints and of their friction, as far as asked,
         at which some forces balance the loads, brittle joints cracked; NaN where it does not stand,
         or falls when its brittle joints crack.
+    carries
+        Of each that does not stand the share of its actions that are not permanent up to which it
+        stands: 0 where it falls under the permanent ones alone. NaN of those that stand, and
+        without a permanent action.
     stopped
         Why not all were checked; else empty.
     """
@@ -64,11 +69,12 @@ class Combinations(Answer):
     each: tuple[Combination, ...]
     results: tuple[Result, ...]
     needs: Mapping[str, tuple[float, ...]]
+    carries: tuple[float, ...]
     stopped: str = ""
 
     @cached_property
     def governs(self) -> int:
-        """Position of the combination that falls, is undecided, or needs most."""
+        """Position of the combination that does not stand and carries least, or needs most."""
         return self._worst_first[0]
 
     @property
@@ -82,7 +88,9 @@ class Combinations(Answer):
     def _worst_first(self) -> list[int]:
         shares = np.nan_to_num(np.array(self.needed), nan=2.0)
         order = np.array([_ORDER.get(one.verdict, 2) for one in self.results])
-        found: list[int] = np.lexsort((-shares, order)).tolist()
+        found: list[int] = np.lexsort(
+            (-shares, np.nan_to_num(self.carries, nan=2.0), order)
+        ).tolist()
         return found
 
     @property
@@ -104,9 +112,14 @@ class Combinations(Answer):
         one, share = self.each[self.governs], self.needed[self.governs]
         fallen = sum(not one.stable for one in self.results)
         said = [Sentence(self.title, Role.BAD if fallen or self.stopped else Role.GOOD)]
-        first = f"the first of {fallen} that do not stand" if fallen > 1 else "governs"
-        said.append(Sentence(f"{first}: {one.situation.name}: {one.words}"))
+        said.append(Sentence(f"governs: {one.situation.name}: {one.words}"))
         said.append(Sentence(f"there: {self.governing.title}"))
+        carried = self.carries[self.governs]
+        if carried > 0.0:
+            told = f"{rounded_down(carried, 3):.3g} of its other actions"
+            said.append(Sentence(f"beside the permanent ones it stands up to {told}"))
+        elif carried == 0.0:
+            said.append(Sentence("it does not stand under its permanent actions alone"))
         if np.isfinite(share) and share > 0.0:
             cracked = ", its joints cracked" if self.governing.contacts.brittle else ""
             shares = " and ".join(
@@ -138,7 +151,10 @@ class Combinations(Answer):
             "verdict": [self.results[i].verdict.value for i in order],
         }
         shares = {f"needs_of_{of}": np.array(one)[order] for of, one in self.needs.items()}
-        alike = dict.fromkeys(shares, "1"), dict.fromkeys(shares, True)
+        upward = dict.fromkeys(shares, True)
+        if not np.isnan(self.carries).all():
+            shares["carries_of_others"] = np.array(self.carries)[order]
+        alike = dict.fromkeys(shares, "1"), {**dict.fromkeys(shares, False), **upward}
         each = Table("combinations", columns | shares, *alike)
         return [each, _situations(self.each), *_cases(self.each[0].actions, self.model.assembly)]
 
@@ -157,6 +173,7 @@ class Combinations(Answer):
             "situation": self.each[self.governs].situation.name,
             "source": self.each[self.governs].situation.source,
             "needed": self.needed[self.governs],
+            "carries": self.carries[self.governs],
             "needs": {of: one[self.governs] for of, one in self.needs.items()},
             "falling": self.governing.falling_names,
             "stopped": self.stopped,
@@ -201,34 +218,34 @@ def combinations(
     clock = Clock.of(how)
     model = supported_model(given, **how)
     each = read_combinations(file, model)
-    for one in each:
-        replaced = one.of(model)
-        replaced.require_still()
-    found: list[tuple[Result, list[float]]] = []
+    for combined in each:
+        combined.of(model).require_still()
+    found: list[tuple[Result, list[float], float]] = []
     asked = [of for of in _OF if needed_of in (of, "both")]
-    task = partial(_checked, asked=asked, options=options)
+    task = partial(_checked, model, asked=asked, options=options)
     with WorkerPool(clock.workers) as pool:
-        for pair in pool.answers(task, (one.of(model) for one in each), clock.late):
-            found.append(pair)
+        for one in pool.answers(task, each, clock.late):
+            found.append(one)
             clock.tell("checking combinations", len(found), len(each))
     if not found:
         raise InputError(clock.reason or "nothing was checked", remedy="give it more time")
-    results, shares = zip(*found, strict=True)
+    results, shares, carries = zip(*found, strict=True)
     needs = dict(zip(asked, zip(*shares, strict=True), strict=True)) if asked else {}
     return Combinations(
         model, str(file), digest(file), tuple(each[: len(results)]), results, needs,
-        clock.reason if len(results) < len(each) else "",
+        carries, clock.reason if len(results) < len(each) else "",
     )  # fmt: skip
 
 
 @one_blas_thread()
 def _checked(
-    model: Model, asked: Sequence[str], options: CheckOptions | None
-) -> tuple[Result, list[float]]:
-    """The verdict on a model, and the shares that it needs."""
+    whole: Model, one: Combination, asked: Sequence[str], options: CheckOptions | None
+) -> tuple[Result, list[float], float]:
+    """The verdict on a combination, the shares that it needs, and the share that it carries."""
+    model, unknown = one.of(whole), float("nan")
     result = check(model, options=options)
     if not result.stable:
-        return result, [float("nan")] * len(asked)
+        return result, [unknown] * len(asked), _carried(model, *one.apart)
     model = model.cracked() if model.contacts.brittle else model
     found = [
         limit_shrink(model, options=_COARSE)
@@ -237,7 +254,17 @@ def _checked(
         for of in asked
     ]
     stands = [one.equilibrium.stands for one in found]
-    return result, [float("nan") if one is None else one for one in stands]
+    return result, [unknown if one is None else one for one in stands], unknown
+
+
+def _carried(model: Model, lasting: LoadCase, others: LoadCase) -> float:
+    """The share of other loads up to which a model stands that does not stand under all of them."""
+    free = model.assembly.free
+    if not lasting.wrench[free].any():
+        return float("nan")
+    if not others.beside(lasting)[free].any():
+        return 0.0
+    return limit_load(model.with_load(lasting), others, upper=1.0).stands or 0.0
 
 
 def _situations(each: Sequence[Combination]) -> Table:

@@ -225,13 +225,34 @@ def test_the_command_tells_the_combination_that_governs(
     assert "governs: EQU: 0.9 weight + 1.5 push" in capsys.readouterr().out
 
 
-def test_of_several_that_fall_none_is_said_to_govern(tmp_path: Path) -> None:
+def test_of_several_that_fall_the_one_that_carries_the_least_share_governs(tmp_path: Path) -> None:
+    """By moments about the edge: g W b/2 = s 1.5 Q h/2, with g = 1.1 and 0.9."""
     path = written(tmp_path, 'situations = ["EQU"]', WEIGHT, PUSH.format(20000))
     found = combinations(tower(2), path, friction=2.0)
+    carried = {g: g * 23544.0 / (1.5 * 20000.0) for g in (0.9, 1.1)}
+    told = {one.words: x for one, x in zip(found.each, found.carries, strict=True)}
+    for g, share in carried.items():
+        assert told[f"{g} weight + 1.5 push"] == pytest.approx(share, abs=2e-3)
+        assert np.isnan(told[f"{g} weight"])
+    assert found.each[found.governs].words == "0.9 weight + 1.5 push"
     said = " ".join(one.text for one in found.sentences())
     assert found.title.startswith("Does not stand in 2")
-    assert "the first of 2 that do not stand" in said
-    assert "governs" not in said
+    assert "governs: EQU: 0.9 weight + 1.5 push" in said
+    assert "beside the permanent ones it stands up to 0.706 of its other actions" in said
+    column = found.tables()[0]["carries_of_others"]
+    assert column[:2] == pytest.approx([carried[0.9], carried[1.1]], abs=2e-3)
+
+
+def test_what_falls_under_its_permanent_actions_alone_carries_none(tmp_path: Path) -> None:
+    """It governs over what carries a share of the others: 1.1 of a lasting push is too much."""
+    lasting = '[case.pull]\nkind = "permanent"\nload = "block-1:24000,0,0N"\nfactors = [1.1, 0.5]'
+    path = written(tmp_path, 'situations = ["EQU"]', WEIGHT, lasting, PUSH.format(20000))
+    found = combinations(tower(2), path, friction=2.0)
+    governing = found.each[found.governs]
+    assert governing.factors["pull"] == 1.1
+    assert found.carries[found.governs] == 0.0
+    said = " ".join(one.text for one in found.sentences())
+    assert "it does not stand under its permanent actions alone" in said
 
 
 def test_the_loads_of_the_cases_add_up_to_those_of_the_combination_that_governs(
