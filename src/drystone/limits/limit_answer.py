@@ -38,7 +38,6 @@ AT_LEAST = " at least, where the search ends"
 _DECIDES = {
     Outcome.ENDS_DECIDE: "which block carries the ends of the joints (--ends)",
     Outcome.SHEAR_DECIDES: "the shear stiffness of the joints",
-    Outcome.PRESSURE_DECIDES: "the pressure within joints",
 }
 _LOOKS = {Verdict.STABLE: (MarkKind.DISC, "good"), Verdict.UNSTABLE: (MarkKind.CROSS, "bad")}
 """Of a value that was tried, by its verdict."""

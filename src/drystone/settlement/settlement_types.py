@@ -122,13 +122,11 @@ class Outcome(enum.Enum):
     """The result depends on the block that carries the ends of the joints."""
     SHEAR_DECIDES = "the shear stiffness of the joints decides"
     """The result depends on their tangential stiffness by the normal one."""
-    PRESSURE_DECIDES = "the pressure within joints decides"
-    """The result depends on whether forces act at their corners or are spread over their faces."""
     UNKNOWN = "not followed to an end"
     """The message has the reason."""
 
 
-UNDECIDED = (Outcome.ENDS_DECIDE, Outcome.SHEAR_DECIDES, Outcome.PRESSURE_DECIDES)
+UNDECIDED = (Outcome.ENDS_DECIDE, Outcome.SHEAR_DECIDES)
 """Outcomes of paths that end otherwise."""
 
 MOST_STATES, MOST_POSITIONS = 60, 100_000
@@ -421,7 +419,4 @@ class Settlement(Answer):
 def _carried(path: SettlementPath) -> str:
     shear = f", shear stiffness {path.tangential:g} of the normal one"
     told = "" if path.tangential == SettlementPath.tangential else shear
-    contacts = path.model.contacts
-    points = (contacts.corners.counts == 1) & (contacts.area > 0.0)
-    told += ", pressure spread over faces" if points.any() else ""
     return f"ends of joints on the {path.carrier.value} block{told}"

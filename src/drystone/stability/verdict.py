@@ -361,7 +361,7 @@ def _over_ends(
 
 
 def _with_spread_points(asked: Asked, found: Settlement, options: SettlementOptions) -> Settlement:
-    """The same where the blocks rest alike on points spread over the faces; else both ways.
+    """The same, saying what blocks that rest otherwise do on points spread over the faces.
 
     Faces that may need their corners have points, those that do so only then as well; faces that
     have opened press where they touch. What is not followed to an end says nothing.
@@ -386,12 +386,8 @@ def _with_spread_points(asked: Asked, found: Settlement, options: SettlementOpti
         asked.steps += now.iterations
     if now.outcome in (Outcome.RESTS, Outcome.UNKNOWN, found.outcome):
         return found
-    ways = f"on the corners of these {found.message}; spread over their faces {now.message}"
     return replace(
-        found,
-        outcome=Outcome.PRESSURE_DECIDES,
-        message=f"it depends on the pressure within joints: {ways}",
-        paths=(*found.paths, *now.paths),
+        found, message=f"{found.message}; with pressure spread over the faces {now.message}"
     )
 
 
