@@ -5,6 +5,7 @@ import pytest
 
 from drystone import Assembly, InputError, Model, check
 from drystone.answer.drawing import load_layers
+from drystone.limits import limit_train
 from drystone.loads import Earth, Fill, LoadCase
 from drystone.loads.fill import Tops
 from drystone.models import dome, segmental_bridge, tower
@@ -262,3 +263,14 @@ def test_pressures_on_the_same_faces_are_added_in_their_picture() -> None:
 def test_ground_that_cannot_be_is_told_in_one_line(words: str, told: str) -> None:
     with pytest.raises(InputError, match=told):
         check(segmental_bridge(voussoirs=4), friction=0.6, load=words)
+
+
+def test_fill_as_a_part_or_of_a_train_is_refused_where_gravity_is_turned() -> None:
+    """As in words; an earthquake is not turned gravity."""
+    bridge = segmental_bridge(voussoirs=8)
+    part = {"kind": "fill", "words": "cover=0.3m,weight=20kN/m3"}
+    with pytest.raises(InputError, match="fill weighs along -z"):
+        check(bridge, load=[part], gravity=(1.0, 0.0, -9.7))
+    with pytest.raises(InputError, match="fill weighs along -z"):
+        limit_train(bridge, fill=Fill(0.3, 2e4), gravity=(1.0, 0.0, -9.7))
+    assert check(bridge, load=[part], seismic=0.05).stable

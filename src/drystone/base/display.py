@@ -162,9 +162,9 @@ def shortened(text: str, longest: int = _LONGEST, end: str = "...") -> str:
     return line if len(line) <= longest else line[: longest - len(end)] + end
 
 
-def name_text(name: str, longest: int = NAME) -> str:
+def name_text(name: str) -> str:
     """A name as HTML; letters that turn the direction of writing end with it."""
-    return f"<bdi>{html.escape(shortened(name, longest))}</bdi>"
+    return f"<bdi>{html.escape(shortened(name, NAME))}</bdi>"
 
 
 def named(names: Sequence[str], most: int = _NAMED) -> str:

@@ -15,7 +15,7 @@ import numpy as np
 
 from drystone.base import units as quantities
 from drystone.base.arrays import SAME, Ints, frozen, whole
-from drystone.base.display import BOUND, NAME, OneLine, name_text, rounded_down, rounded_up
+from drystone.base.display import BOUND, NAME, OneLine, rounded_down, rounded_up, shortened
 from drystone.base.errors import InputError, counted, require
 from drystone.base.files import PathLike, write_text
 
@@ -123,6 +123,12 @@ class Table(OneLine):
             columns.append(_shown(values, unit))
         return heads, [list(row) for row in zip(*columns, strict=True)]
 
+    def printed(self) -> tuple[list[str], list[list[str]]]:
+        """Headings and rows for paper: loads are words and have more room than names."""
+        heads, rows = self.cells()
+        most = [4 * NAME if name == "load" else NAME for name in heads]
+        return heads, [list(map(shortened, row, most)) for row in rows]
+
     def _flat(self) -> dict[str, np.ndarray]:
         """The columns; of vectors one for each axis, its unit with it."""
         flat = {}
@@ -202,11 +208,10 @@ class Table(OneLine):
 
     def to_html(self) -> str:
         """All rows for people, below the title."""
-        heads, rows = self.cells()
+        heads, rows = self.printed()
         head = "".join(f"<th>{html.escape(name)}</th>" for name in heads)
-        most = [4 * NAME if name == "load" else NAME for name in heads]  # words, and names
-        cells = [map(name_text, row, most) for row in rows]
-        body = "".join(f"<tr><td>{'</td><td>'.join(row)}</td></tr>" for row in cells)
+        cells = ("".join(f"<td><bdi>{html.escape(one)}</bdi></td>" for one in row) for row in rows)
+        body = "".join(f"<tr>{row}</tr>" for row in cells)
         return (
             f"<table><caption>{html.escape(self.title)}</caption>"
             f"<thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"

@@ -155,6 +155,7 @@ class Loads:
         if self.seismic is not None:
             text = ",".join(str(one) for one in np.atleast_1d(self.seismic).tolist())
             total = total + seismic_of_words(text, assembly)
+        total.refuse_turned_fill()
         told = Shaken.of(assembly, total)
         return total, [*notes, *total.notes, *([] if told is None else [told.words])]
 

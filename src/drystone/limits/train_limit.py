@@ -469,6 +469,7 @@ def limit_train(
         )
     if added:
         model = model.with_load(model.load + tops.fill.on(model.assembly))
+    model.load.refuse_turned_fill()
     chosen = LimitOptions.of(options)
     crossing = Crossing(Problem.build(model), tops, carried, chosen)
     share = (np.arange(steps) + 0.5) / steps

@@ -347,6 +347,19 @@ class LoadCase(OneLine):
             shake=self.shake @ rotation,
         )
 
+    def refuse_turned_fill(self) -> None:
+        """Refuse fill where gravity is turned from -z.
+
+        Raises
+        ------
+        InputError
+        """
+        if self.fills and (self.acceleration - self.shake)[:2].any():
+            remedy = "leave out --gravity X,Y,Z; 'limit tilt' turns blocks and their fill"
+            raise InputError(
+                "fill weighs along -z, and gravity is turned", where="load", remedy=remedy
+            )
+
     @property
     def beside_masses(self) -> LoadCase:
         """The same without the masses that blocks carry, and their forces."""

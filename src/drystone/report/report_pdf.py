@@ -163,8 +163,7 @@ class _Paper:
         from reportlab.pdfbase.pdfmetrics import stringWidth
         from reportlab.platypus import CondPageBreak, Spacer
 
-        heads, rows = table.cells()
-        cells = [[shortened(cell, 4 * NAME) for cell in row] for row in rows]
+        heads, cells = table.printed()
         natural = np.array([
             max(
                 stringWidth(heads[i], "DejaVuBold", 7),

@@ -55,7 +55,9 @@ _METHOD = (
     "the blocks were followed by finite steps and did not come to rest, as the answer then says. "
     "Forces and mechanisms are computed again from the points of contact; the residuals stand "
     "beside each answer. UNDECIDED: neither was found.",
-    "A limit is a pair of values: at the one it stands, at the other it falls; both were checked.",
+)
+_LIMITS = (
+    "A limit is a pair of values: at the one it stands, at the other it falls; both were checked."
 )
 
 
@@ -66,13 +68,15 @@ def document_of(answers: Sequence[Answer], about: TitleBlock) -> Document:
     asked = first.asked
     version = " ".join(one for one in ("drystone", asked.version, asked.commit) if one)
     governing = _governing(answers)
+    limits = any(isinstance(one, Limit | TrainEnvelope) for one in answers)
+    method = (*_METHOD, _LIMITS) if limits else _METHOD
     sections = [
         Section("Summary", (*_summary(answers, model), _signatures(about))),
         Section("What was asked", (_asked(answers),)),
         Section("Geometry", tuple(_geometry(model))),
         Section("Materials", tuple(_materials(model))),
         Section("Loads", tuple(_loads(model, first))),
-        Section("Signs, method and assumptions", (sketches.signs_picture(), *_METHOD)),
+        Section("Signs, method and assumptions", (sketches.signs_picture(), *method)),
         *(Section(one.title, tuple(_answer(one))) for one in answers),
     ]
     if governing is not None:
@@ -147,8 +151,7 @@ def _all(table: Table) -> Iterator[Part]:
 
 
 def _summary(answers: Sequence[Answer], model: Model) -> Iterator[Part]:
-    for one in worst_first(answers):
-        yield from _told(one)
+    yield from dict.fromkeys(line for one in worst_first(answers) for line in _told(one))
     yield from _carried(model)
     if any(
         isinstance(x, TrainEnvelope) and x.model.load.fills != model.load.fills for x in answers
@@ -182,7 +185,7 @@ def _asked(answers: Sequence[Answer]) -> Mapping[str, str]:
     """What was asked; a question of the reader is for the screen, before anything is signed."""
     asked = answers[0].asked
     notes = (one.rpartition(": ")[0] if one.endswith("?") else one for one in asked.notes)
-    asked = replace(asked, notes=tuple(notes))
+    asked = replace(asked, notes=tuple(x for x in notes if x != asked.earthquake.get("told")))
     told = {"SHA-256 of the file": asked.sha256}
     for one in answers:
         if isinstance(one, Combinations):

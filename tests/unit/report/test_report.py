@@ -2,6 +2,7 @@
 
 import html
 import re
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -525,3 +526,18 @@ def test_what_stands_has_its_sensitivity_beside_the_limits_that_are_asked() -> N
     assert "friction" in found[2]
     assert "size of the joints" in found[3]
     assert len(assess(tower(2), limits=["tilt"], friction=0.3, seismic=(0.4, 0.0))) == 3  # falls
+
+
+def test_a_sheet_says_what_a_limit_is_where_it_has_one_and_notes_once() -> None:
+    limits = ["load seismic:1,0", "load seismic:0,1"]
+    found = assess(tower(3), limits=limits, sensitivity=False, seismic=0.02, friction=0.6)
+    alone, more = (document_of(answers, TitleBlock()) for answers in (found[:1], found))
+    texts = [[x for one in made.sections for x in one.parts if isinstance(x, str)]
+             for made in (alone, more)]  # fmt: skip
+    assert [any(x.startswith("A limit is a pair") for x in each) for each in texts] == [False, True]
+    summary = [x for x in more.sections[0].parts if isinstance(x, str)]
+    assert sum("shakes" in x for x in summary) == 1
+    asked = alone.sections[1].parts[0]
+    assert isinstance(asked, Mapping)
+    assert "shakes" in asked["Earthquake"]
+    assert "Notes" not in asked
