@@ -13,6 +13,7 @@ from functools import cached_property, partial
 from typing import Any, Unpack
 
 import numpy as np
+from scipy.spatial.transform import Rotation, Slerp
 
 from drystone.answer import Answer, Question, Role, Scene, Sentence, plain
 from drystone.assembly import Block
@@ -119,9 +120,10 @@ class Placement(OneLine):
     frame : (4, 4)
         Frame of the block in place.
     approach : (p, 4, 4)
-        Frames on the path into place, the last one in place; empty if no path was found.
+        Frames on the path into place, the last one in place; empty if no path was found. The first
+        is where the path enters the reach of the robot.
     clearance : (p,) [m]
-        Distance from the blocks in place at each of them.
+        Distance from the blocks in place at each of them, at least.
     insertion : (3,) unit
         Direction in which its centroid moves into place: that of the end of the path; where no path
         was found, a direction that the joints leave free.
@@ -365,7 +367,6 @@ def handling(
         notes.append(f"{clock.reason} after {len(paths)} of {counted(len(jobs), 'path')}")
     placements: list[Placement] = []
     holds: list[Hold] = []
-    outside: list[tuple[float, str]] = []
     chosen = assigned(plan, team)
     notes += without_robot(plan, team)
     for (number, block, here), found in zip(jobs, paths, strict=False):
@@ -377,21 +378,11 @@ def handling(
         grips = grip_faces(body, Joints.of(model.contacts, block, here))
         margin = None if margins is None else margins.stages[number]
         placements.append(_placed(plan, number, block, arm, found, grips, margin))
-        if arm is not None and isinstance(found, RemovalPath):
-            past = float(arm.distance(placements[-1].approach[0, :3, 3])) - arm.reach
-            outside += [(past, body.name)] if past > 0.0 else []
         if block != step.blocks[-1]:
             wrench = [a.reaction[block] for a in step.during if block in a.reaction]
             most = max(wrench, key=lambda w: float(np.linalg.norm(w[:3])), default=np.zeros(6))
             last = model.assembly.names[step.blocks[-1]]
             holds.append(Hold(body.name, robot, last, most[:3], most[3:]))
-    if outside:
-        past, name = max(outside)
-        notes.append(
-            f"{len(outside)} of {counted(len(placements), 'path')} begin out of reach, that of "
-            f"'{name}' by {past:.3g} m, as paths come from far outside: let the robot take a block "
-            "where its path, straight from pose to pose, enters the reach"
-        )
     return Handling(plan, team, tuple(placements), tuple(holds), tuple(notes), scaffolding)
 
 
@@ -425,6 +416,23 @@ def without_robot(plan: Plan, robots: Sequence[Robot]) -> list[str]:
     return notes
 
 
+def _within(robot: Robot, frames: Floats, clearance: Floats) -> tuple[Floats, Floats]:
+    """The frames (p, 4, 4) of a path from where it enters the reach of a robot, and clearances."""
+    outside = np.flatnonzero(robot.distance(frames[:, :3, 3]) > robot.reach)
+    if not len(outside):
+        return frames, clearance
+    leg = slice(outside[-1], outside[-1] + 2)
+    start, end = frames[leg, :3, 3] - np.array(robot.base)
+    way = end - start
+    squared, along = way @ way, start @ way
+    part = (-along - np.sqrt(along**2 - squared * (start @ start - robot.reach**2))) / squared
+    enters = np.eye(4)
+    enters[:3, :3] = Slerp([0.0, 1.0], Rotation.from_matrix(frames[leg, :3, :3]))(part).as_matrix()
+    enters[:3, 3] = frames[leg.start, :3, 3] + part * way
+    rest, least = frames[leg.start + 1 :], clearance[leg].min()
+    return np.concatenate([[enters], rest]), np.append(least, clearance[leg.start + 1 :])
+
+
 def _placed(
     plan: Plan,
     number: int,
@@ -447,6 +455,8 @@ def _placed(
         approach, clearance, turning = found.approach @ frame, found.clearance[::-1], found.turning
         last = np.diff(approach[-2:, :3, 3], axis=0).sum(axis=0)
         insertion = last / np.linalg.norm(last) if last.any() else insertion
+        if robot is not None:
+            approach, clearance = _within(robot, approach, clearance)
     return Placement(
         step=number + 1,
         name=body.name,

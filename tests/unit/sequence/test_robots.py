@@ -33,16 +33,21 @@ def test_two_robots_place_blocks_in_turn():
 
 def test_a_block_goes_to_a_robot_that_reaches_it():
     work = handling(plan(bridge(), friction=0.5), [LEFT, RIGHT])
-    outside = []
+    far = {one.name: one for one in handling(plan(bridge(), friction=0.5)).placements}
     for one in work.placements:
         robot = LEFT if one.robot == "left" else RIGHT
         away = np.linalg.norm(one.approach[:, :3, 3] - np.array(robot.base), axis=1)
-        assert away[-1] <= robot.reach
-        outside.append(away[0] - robot.reach)
-    (said,) = work.notes  # paths come from outside, and that is said
-    assert said.startswith(f"{sum(x > 0.0 for x in outside)} of 9 paths begin out of reach")
-    assert f"by {max(outside):.3g} m" in said
-    assert said.endswith("where its path, straight from pose to pose, enters the reach")
+        assert (away <= robot.reach + 1e-9).all()
+        # the whole path comes from far outside; this is its last part
+        assert away[0] == pytest.approx(robot.reach)
+        start, end = far[one.name].approach[-len(one.approach) :][:2, :3, 3]
+        np.testing.assert_allclose(
+            np.cross(one.approach[0, :3, 3] - start, end - start), 0, atol=1e-9
+        )
+        np.testing.assert_allclose(
+            one.approach[1:], far[one.name].approach[1 - len(one.approach) :]
+        )
+    assert work.notes == ()
 
 
 def test_what_no_robot_can_place_is_said():
