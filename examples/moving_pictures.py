@@ -2,7 +2,7 @@
 
 python examples/moving_pictures.py docs/images
 
-It needs drystone[fall] and Pillow, which matplotlib brings.
+It needs the extra fall and Pillow, which matplotlib brings.
 """
 
 import sys

@@ -1,6 +1,6 @@
 """A film of one minute, of our own pages: a vault found, cut, built, tilted until it falls, mended.
 
-    pip install "drystone[fall,film]"
+    pip install ".[fall,film]"
     python docs/site/film.py docs/images/film.mp4
 
 It needs a Chromium, which draws without a graphics card (some ten minutes), and imageio-ffmpeg.

@@ -1,6 +1,6 @@
 """Converters against the installed packages of COMPAS; skipped where they are not.
 
-``pip install "drystone[compas,test]"`` for compas_dem and compas_model; ``pip install compas_cra``
+``pip install ".[compas,test]"`` for compas_dem and compas_model; ``pip install compas_cra``
 for the last ones.
 """
 

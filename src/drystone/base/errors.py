@@ -193,7 +193,8 @@ class MissingDependency(DrystoneError, ImportError):
         return make, (self.package,)
 
     def __str__(self) -> str:
-        return f"{self.purpose} needs {self.package}; pip install 'drystone[{self.extra}]'"
+        install = f"pip install '.[{self.extra}]' in the folder of drystone"
+        return f"{self.purpose} needs {self.package}; {install}"
 
 
 def require(package: str, extra: str, purpose: str) -> None:

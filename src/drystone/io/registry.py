@@ -114,7 +114,7 @@ FORMATS: tuple[Format, ...] = (
         (".3dm",),
         "rhino",
         "rhino",
-        f"joint capacities, contacts, ties but between centroids without a limit, {_LOADS}",
+        f"joint capacities, contacts, limits of ties and places away from centroids, {_LOADS}",
         any_unit=True,
         options=_LAYERED,
     ),

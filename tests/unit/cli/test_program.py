@@ -79,7 +79,7 @@ def failing(monkeypatch: pytest.MonkeyPatch) -> Any:
 @pytest.mark.parametrize(
     ("error", "code", "words"),
     [
-        (MissingDependency("rhino3dm", extra="cad", purpose="reading 3dm"), 3, "drystone[cad]"),
+        (MissingDependency("rhino3dm", extra="cad", purpose="reading 3dm"), 3, ".[cad]"),
         (KeyboardInterrupt(), 130, "interrupted; nothing was written"),
         (PermissionError(13, "Permission denied", "x.html"), 2, "Permission denied"),
         (
