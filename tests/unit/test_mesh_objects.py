@@ -95,5 +95,5 @@ def test_blocks_go_to_other_packages_and_come_back(package):
 @pytest.mark.parametrize("package", ["trimesh", "pyvista"])
 def test_a_package_that_is_missing_is_named(package, monkeypatch):
     monkeypatch.setitem(sys.modules, package, None)
-    with pytest.raises(MissingDependency, match=rf"{package}; pip install 'drystone\[meshes\]'"):
+    with pytest.raises(MissingDependency, match=rf"{package}; pip install '\.\[meshes\]'"):
         getattr(Model.of(concave("short")), f"to_{package}")()

@@ -95,7 +95,7 @@ def test_a_data_frame_has_the_same_columns_and_can_be_changed() -> None:
 
 def test_without_pandas_the_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "pandas", None)
-    with pytest.raises(drystone.MissingDependency, match=r"drystone\[pandas\]"):
+    with pytest.raises(drystone.MissingDependency, match=r"\.\[pandas\]"):
         SMALL.to_pandas()
 
 
@@ -152,7 +152,7 @@ def test_the_package_for_arrow_is_named_where_it_is_missing(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setitem(sys.modules, "pyarrow", None)
-    with pytest.raises(drystone.MissingDependency, match=r"drystone\[arrow\]"):
+    with pytest.raises(drystone.MissingDependency, match=r"\.\[arrow\]"):
         SMALL.__arrow_c_stream__()
 
 

@@ -179,7 +179,7 @@ def test_without_mujoco_the_extra_is_named(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: Capsys
 ) -> None:
     monkeypatch.setitem(sys.modules, "mujoco", None)
-    with pytest.raises(MissingDependency, match=r"pip install 'drystone\[fall\]'"):
+    with pytest.raises(MissingDependency, match=r"pip install '\.\[fall\]'"):
         fall(tower(2))
     drystone.write(Model.of(tower(2)), tmp_path / "tower.json")
     assert main(["fall", str(tmp_path / "tower.json")]) == 3

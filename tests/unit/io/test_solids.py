@@ -131,7 +131,7 @@ def test_without_its_package_the_extra_is_named(
 ) -> None:
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
     with pytest.raises(
-        MissingDependency, match=rf"{package}; pip install 'drystone\[{suffix[1:]}\]'"
+        MissingDependency, match=rf"{package}; pip install '\.\[{suffix[1:]}\]'"
     ):
         read(tmp_path, "ISO-10303-21;", suffix)
 
