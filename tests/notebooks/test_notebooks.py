@@ -77,7 +77,7 @@ def test_ranges_are_checked_before_anything_is_asked():
 
 def test_without_anywidget_its_extra_is_named(monkeypatch):
     monkeypatch.setattr("importlib.util.find_spec", lambda *_: None)
-    with pytest.raises(MissingDependency, match=r"drystone\[notebook\]"):
+    with pytest.raises(MissingDependency, match=r"\.\[notebook\]"):
         interact(checked, friction=(0.1, 0.9, 0.7))
 
 

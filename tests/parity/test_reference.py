@@ -52,5 +52,5 @@ def test_without_the_extra_the_error_names_it(monkeypatch):
     monkeypatch.setitem(__import__("sys").modules, "casadi", None)
     model = stool()
     contacts = find_contacts(model, friction=0.6).contacts
-    with pytest.raises(MissingDependency, match=r"drystone\[reference\]"):
+    with pytest.raises(MissingDependency, match=r"\.\[reference\]"):
         solve_cra_reference(Model(model, contacts))

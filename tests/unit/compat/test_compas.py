@@ -85,5 +85,5 @@ def test_without_compas_the_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> N
         raise ImportError(name)
 
     monkeypatch.setattr("importlib.import_module", missing)
-    with pytest.raises(MissingDependency, match=r"drystone\[compas\]"):
+    with pytest.raises(MissingDependency, match=r"\.\[compas\]"):
         to_compas(tower(2))

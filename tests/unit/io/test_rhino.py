@@ -313,9 +313,9 @@ def test_without_rhino3dm_the_extra_is_named(
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
     path = tmp_path / "model.3dm"
     path.write_bytes(b"x")
-    with pytest.raises(MissingDependency, match=r"drystone\[cad\]"):
+    with pytest.raises(MissingDependency, match=r"\.\[cad\]"):
         io.read_file(path)
-    with pytest.raises(MissingDependency, match=r"drystone\[cad\]"):
+    with pytest.raises(MissingDependency, match=r"\.\[cad\]"):
         io.write(Assembly((box((1, 1, 1)),)), path)
 
 

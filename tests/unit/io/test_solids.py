@@ -130,9 +130,7 @@ def test_without_its_package_the_extra_is_named(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, suffix: str, package: str
 ) -> None:
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
-    with pytest.raises(
-        MissingDependency, match=rf"{package}; pip install '\.\[{suffix[1:]}\]'"
-    ):
+    with pytest.raises(MissingDependency, match=rf"{package}; pip install '\.\[{suffix[1:]}\]'"):
         read(tmp_path, "ISO-10303-21;", suffix)
 
 
