@@ -149,6 +149,9 @@ class SupportResponse(Answer):
             said.append(Sentence(told))
             why = "to first order openings grow as the motion does; --to LENGTH follows a large one"
             said.append(Sentence(why, Role.REMARK))
+            if opened > 1:
+                shared = "neighbouring joints may share an opening otherwise than here"
+                said.append(Sentence(shared, Role.REMARK))
         return said
 
     @property
