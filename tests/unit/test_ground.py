@@ -96,6 +96,42 @@ def test_fill_presses_steps_and_walls_beside_it_but_not_what_is_covered_or_outsi
     assert np.flatnonzero(resisting.any(axis=1)).tolist() == [2]
 
 
+COUNTERFORTS: dict[str, list[tuple[float, float, float]]] = {
+    "none": [],
+    "one": [(2.5, 1.0, 3.0)],
+    "two": [(1.0, 1.0, 3.0), (4.0, 1.0, 3.0)],
+    "wide": [(1.0, 4.0, 3.0)],
+    "low": [(2.0, 2.0, 1.0)],
+}
+"""Of a wall 6 m long: place along it, width and height [m]."""
+
+
+@pytest.mark.parametrize("some", COUNTERFORTS.values(), ids=COUNTERFORTS)
+def test_what_stands_before_a_wall_takes_the_earth_of_what_it_covers(
+    some: list[tuple[float, float, float]],
+) -> None:
+    before = [box((w, 1.0, h), (x, -1.0, 0.0), f"c{x}") for x, w, h in some]
+    blocks = (box((6.0, 0.5, 3.0), name="wall"), *before)
+    push = Earth(side="-y", weight=20e3, k=0.5).on(Assembly(blocks)).wrench[:, 1]
+    covered = [w * 5e3 * (9.0 - (3.0 - h) ** 2) for _, w, h in some]  # K gamma / 2 = 5 kN/m3
+    np.testing.assert_allclose(push, [270e3 - sum(covered), *covered])
+
+
+def test_walls_beside_fill_have_no_fill_below_them_and_are_pressed_where_it_lies() -> None:
+    long, length = 6.0, 2.2
+    ground = box((long, 5.0, 0.5), (0.0, -1.0, -0.5), "ground")
+    ring = box((length, 3.0, 0.5), name="ring")
+    rest = box((long - length, 0.3, 0.5), (length, 0.0, 0.0), "rest")
+    walls = [box((long, 0.3, 1.5), (0.0, y, 0.5), name) for y, name in ((0.0, "a"), (2.7, "b"))]
+    other = box((long - length, 0.3, 0.5), (length, 2.7, 0.0), "other")
+    assembly = Assembly((ground, ring, rest, other, *walls)).with_fixed(["ground"])
+    wrench = Fill(cover=0.0, weight=20e3, k=0.5).on(assembly).wrench
+    assert wrench[1, 2] == pytest.approx(-20e3 * 1.5 * length * 2.4)
+    low = 5e3 * (2.0**2 - 1.5**2) * (long - length)  # on what is below the walls, beside the ring
+    push = 5e3 * 1.5**2 * long
+    np.testing.assert_allclose(wrench[2:, 1], [-low, low, -push, push])
+
+
 def test_joints_along_meridians_of_a_dome_are_not_below_fill() -> None:
     assert not Tops.of(dome(), Fill(0.4, 2e4, k=0.5)).upright
 

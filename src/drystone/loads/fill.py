@@ -239,15 +239,27 @@ class Tops:
 
         def sought(strips: SeenStrips) -> Bools:
             normal = np.round(strips.normal, 6)  # of two ways alike the first
-            mine = (normal[:, 2] == 0.0) & (np.argmax(normal @ ways.T, axis=1) == way)
-            if level[1]:  # has it a top below what is before it?
-                middle = np.stack([strips.t, strips.s, strips.r], axis=2).mean(axis=1) @ axes
-                before = shapely.points((middle + SAME * self.breadth * level)[:, :2])
-                mine &= np.isin(np.arange(len(mine)), self._plan.query(before, "intersects")[0])
-            return np.asarray(mine)
+            return (normal[:, 2] == 0.0) & (np.argmax(normal @ ways.T, axis=1) == way)
 
-        seen = SeenStrips.of(self.assembly, axes, sought)
-        return seen.chosen(~self.assembly.fixed[seen.block])
+        places = across[0] * np.unique(self.strips.t) if level[1] else np.zeros(0)
+        seen = SeenStrips.of(self.assembly, axes, sought, places.tolist())
+        seen = seen.chosen(~self.assembly.fixed[seen.block])
+        if not level[1]:
+            return seen
+        # has it a top below what is before it, and not beside the bridge?
+        middle = np.stack([seen.t, seen.s, seen.r], axis=2).mean(axis=1) @ axes
+        before = middle + SAME * self.breadth * level
+        some = np.zeros(len(middle), dtype=bool)
+        some[self._plan.query(shapely.points(before[:, :2]), "intersects")[0]] = True
+        return seen.chosen(
+            some & (np.abs(before[:, 1] - self._across.mean()) < 0.5 * np.ptp(self._across))
+        )
+
+    @cached_property
+    def _across(self) -> Floats:
+        """Least and largest y [m] of the tops of free blocks."""
+        mine = self.strips.chosen(~self.assembly.fixed[self.strips.block])
+        return np.array([(mine.s - 0.5 * mine.width).min(), (mine.s + 0.5 * mine.width).max()])
 
     @cached_property
     def _plan(self) -> shapely.STRtree:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, TypeAlias
 
@@ -66,7 +66,11 @@ class SeenStrips(OneLine):
 
     @classmethod
     def of(
-        cls, assembly: Assembly, axes: Floats, sought: Callable[[SeenStrips], Bools] | None = None
+        cls,
+        assembly: Assembly,
+        axes: Floats,
+        sought: Callable[[SeenStrips], Bools] | None = None,
+        places: Sequence[float] = (),
     ) -> SeenStrips:
         """Those of an assembly that no other block hides.
 
@@ -76,6 +80,8 @@ class SeenStrips(OneLine):
         axes : (3, 3)
         sought
             Which are meant; all when left out.
+        places : [m]
+            Along s, where strips end as well.
 
         Examples
         --------
@@ -113,10 +119,10 @@ class SeenStrips(OneLine):
                 high, made.t[:, 0], "right"
             )
             made = made.chosen(~beside)
-        places = np.unique(made.t)
-        made = made.cut_at(places[np.diff(places, prepend=-np.inf) > least])
+        corners = np.unique(made.t)
+        made = made.cut_at(corners[np.diff(corners, prepend=-np.inf) > least])
         made = made.chosen(made.t[:, 1] - made.t[:, 0] > 2.0 * least)
-        seen = made.chosen(~_hidden(made, least))
+        seen = _visible(made._joined(), np.array(places, dtype=float), least)
         return seen if sought is None else seen.chosen(sought(seen))
 
     @property
@@ -158,15 +164,20 @@ class SeenStrips(OneLine):
         return SeenStrips(self.axes, self.block, t, s, width, r, self.slope)
 
     def _joined(self) -> SeenStrips:
-        """One strip for those of a plane face between the same places along t: its triangles."""
+        """One strip for those side by side of a plane face between two places: its triangles."""
         least = ROUNDING * max(float(np.abs(self.t).max(initial=0.0)), 1e-300)
         plane = self.r - (self.slope[:, :1] * self.t + self.slope[:, 1:] * self.s)
         alike = np.rint(np.column_stack([self.t, plane]) / least)
         key = np.column_stack([self.block, alike, np.rint(self.slope / ROUNDING)])
-        _, first, group = np.unique(key, axis=0, return_index=True, return_inverse=True)
+        _, same = np.unique(key, axis=0, return_inverse=True)
+        order = np.lexsort((self.s.mean(axis=1), same.ravel()))
+        starts, stops = self.s - 0.5 * self.width, self.s + 0.5 * self.width
+        apart = np.abs(starts[order[1:]] - stops[order[:-1]]).max(axis=1, initial=0.0) > least
+        new = np.append(True, (np.diff(same.ravel()[order]) != 0) | apart)[: len(order)]
+        group, first = np.cumsum(new) - 1, order[new]
         low, high = np.full((2, len(first), 2), np.inf)
-        np.minimum.at(low, group.ravel(), self.s - 0.5 * self.width)
-        np.minimum.at(high, group.ravel(), -self.s - 0.5 * self.width)
+        np.minimum.at(low, group, starts[order])
+        np.minimum.at(high, group, -stops[order])
         one = self.chosen(first)
         s = 0.5 * (low - high)
         r = one.r + one.slope[:, 1:] * (s - one.s)
@@ -217,16 +228,44 @@ def _on_line(start: Floats, end: Floats, t: Floats) -> Floats:
     return np.asarray(start + share[:, None] * (end - start))
 
 
-def _hidden(strips: SeenStrips, least: float) -> Bools:
-    """Those with another one nearer to the eye; all strips at one place have the same ends."""
-    t, s, width, r = (one.mean(axis=1) for one in (strips.t, strips.s, strips.width, strips.r))
-    order = np.argsort(t, kind="stable")
-    ends = np.flatnonzero(np.diff(t[order]) > least) + 1
-    hidden = np.zeros(len(t), dtype=bool)
-    across = strips.slope[:, 1]
+def _visible(strips: SeenStrips, places: Floats, least: float) -> SeenStrips:
+    """What no other strip hides; all strips at one place along t have the same ends.
+
+    The lines along which strips end, and places along s, part what is between two ends: each
+    part is that of the strip nearest to the eye.
+    """
+    if not len(strips.block):
+        return strips
+    middle = strips.t.mean(axis=1)
+    order = np.argsort(middle, kind="stable")
+    ends = np.flatnonzero(np.diff(middle[order]) > least) + 1
+    sides = np.stack([strips.s - 0.5 * strips.width, strips.s + 0.5 * strips.width])
+    mids = *(x.mean(axis=1) for x in (strips.s, strips.width, strips.r)), strips.slope[:, 1]
+    owner, low, high = [], [], []
     for here in np.split(order, ends):
-        away = s[here][:, None] - s[here]
-        over = r[here] + across[here] * away > r[here][:, None] + least
-        beside = np.abs(away) < 0.5 * width[here] - least
-        hidden[here] = (over & beside).any(axis=1)
-    return hidden
+        s, width, r, across = (one[here, None] for one in mids)
+        lines = np.concatenate([*sides[:, here], np.repeat(places[:, None], 2, axis=1)])
+        kept = np.arange(len(lines)) >= 2 * len(here)
+        rank = np.argsort(lines.mean(axis=1), kind="stable")
+        lines, kept = lines[rank], kept[rank]
+        at = lines.mean(axis=1)
+        parts = np.flatnonzero(np.diff(at) > least)
+        away = 0.5 * (at[parts] + at[parts + 1]) - s
+        near = np.where(np.abs(away) < 0.5 * width, r + across * away, -np.inf)
+        top = np.where(np.isfinite(near).any(axis=0), near.argmax(axis=0), -1)
+        cut = np.cumsum(kept)[parts]  # places before each part
+        first = np.flatnonzero(np.diff(top, prepend=-2) | np.diff(cut, prepend=-1))
+        last = np.append(first[1:], len(top)) - 1
+        some = top[first] >= 0
+        own = here[top[first[some]]]
+        owner.append(own)
+        low.append(np.maximum(lines[parts[first[some]]], sides[0, own]))
+        high.append(np.minimum(lines[parts[last[some]] + 1], sides[1, own]))
+    own = np.concatenate(owner)
+    seen, starts, stops = strips.chosen(own), np.concatenate(low), np.concatenate(high)
+    s = 0.5 * (starts + stops)
+    r = seen.r + seen.slope[:, 1:] * (s - seen.s)
+    width = np.maximum(stops - starts, 0.0)
+    return SeenStrips(
+        seen.axes, seen.block, seen.t, frozen(s), frozen(width), frozen(r), seen.slope
+    )
