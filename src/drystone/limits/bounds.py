@@ -147,14 +147,14 @@ def friction_bound(
 ) -> Bracket:
     """The limit of equilibrium between a friction where it is expected and none.
 
-    From a hundredth of the start it is approached by Newton's method where dry joints slide: in the
-    mechanism nearest to free fall the loads have a power, of which friction takes up a part in
-    proportion to it. Measured on an arch, a vault and a dome: within a thousandth after two or
+    From a hundredth of the start it is approached by Newton's method, where joints only press and
+    rub: in the mechanism nearest to free fall the loads have a power, of which friction takes up a
+    part in proportion to it. On an arch, a vault and a dome it is within a thousandth after two or
     three programs, in place of the ten of a bisection.
     """
     search = _search(family, cone, stop)
     value, limit = 0.01 * start, end
-    exact = cone == FrictionCone.exact() and bool(family(start).contacts.dry.all())
+    exact = cone == FrictionCone.exact() and bool(family(start).contacts.plain.all())
     while exact and width < value < start:
         problem = Problem.build(family(value))
         found = nearest_mechanism(problem.statics, stop=stop)

@@ -162,8 +162,8 @@ def _summary(answers: Sequence[Answer], model: Model) -> Iterator[Part]:
 def _told(one: Answer) -> Iterator[str]:
     """The title of an answer, the margins of what stands, and what is to be borne in mind."""
     said = [one.sentences()[0].text, one.title]
-    if isinstance(one, Limit):
-        said.append(f"Load: {one.asked.facts()['Load']}")
+    under = one.asked.facts().get("Load") if isinstance(one, Limit) else None
+    said += [f"Load: {under}"] if under else []
     yield ". ".join(dict.fromkeys(said)) + "."
     margins = one.margins() if isinstance(one, Result) else ()
     for sentence in filter(lambda each: each.text, margins):
