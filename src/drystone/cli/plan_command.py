@@ -201,8 +201,8 @@ def plan(
     """Plan the assembly of a model: order, blocks to hold, blocks to prop.
 
     Exit code 0: every stage stands without a prop. 1: props are needed, blocks cannot be inserted,
-    or the complete model does not stand. 2: bad input. 130: stopped by Ctrl-C, with the blocks that
-    are known to be placed last.
+    no robot is free for one, or the complete model does not stand. 2: bad input. 130: stopped by
+    Ctrl-C, with the blocks that are known to be placed last.
     """
     refuse_unused(chosen.scaffold_options, chosen.scaffold)
     others = (
@@ -266,10 +266,12 @@ def plan(
                 time_limit_s=limit,
             )  # fmt: skip
     also = {"scaffolding": made, "margins": measured, "friction_sweep": swept}
+    missing = sequence.without_robot(found, robot)
     kept = [waiting.left()] if found.stopped and checkpoint is not None else []
     return Told(
         found, {key: one for key, one in also.items() if one is not None},
-        notes=[*model.notes, *found.notes, *kept, *sequence.without_robot(found, robot)],
+        notes=[*model.notes, *found.notes, *kept, *missing],
+        exit_code=max(found.code, bool(missing)),
         files=partial(wanted.all_of, found, made, measured, robot),
         into=wanted.stages if found.steps else None,
     )  # fmt: skip

@@ -324,3 +324,16 @@ def test_the_check_of_scaffolding_ends_with_the_time_limit_too(stack, monkeypatc
     )
     assert main(["plan", stack, "--scaffold", "strut", "--time-limit", "50"]) == 0
     assert limits == [50.0]
+
+
+def test_a_plan_whose_block_no_robot_is_free_for_is_no_success(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Each of two stones holds the other; the second robot reaches none of them."""
+    path = tmp_path / "arch.json"
+    io.write(arch(0.25, 2), path)
+    asked = ["plan", str(path), "--friction", "0.7", "--robot", "a:-1,0,0:5"]
+    assert main([*asked, "--robot", "b:1,0,0:5"]) == 0
+    capsys.readouterr()
+    assert main([*asked, "--robot", "b:9,0,0:2.2"]) == 1
+    assert "'a' could place it, and must hold another block" in capsys.readouterr().out
