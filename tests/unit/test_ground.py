@@ -5,6 +5,7 @@ import pytest
 
 from drystone import Assembly, InputError, Model, check
 from drystone.answer.drawing import load_layers
+from drystone.geometry.frames import rotation_about
 from drystone.limits import limit_train
 from drystone.loads import Earth, Fill, LoadCase
 from drystone.loads.fill import Tops
@@ -130,6 +131,17 @@ def test_walls_beside_fill_have_no_fill_below_them_and_are_pressed_where_it_lies
     low = 5e3 * (2.0**2 - 1.5**2) * (long - length)  # on what is below the walls, beside the ring
     push = 5e3 * 1.5**2 * long
     np.testing.assert_allclose(wrench[2:, 1], [-low, low, -push, push])
+
+
+@pytest.mark.parametrize("degrees", [0.0, 20.0, 40.0, 45.0])
+def test_a_bar_across_another_one_takes_the_fill_above_where_they_cross(degrees: float) -> None:
+    lower = box((6.0, 1.0, 1.0), (-3.0, -0.5, 0.0), "lower")
+    turn = rotation_about(np.array([0.0, 0.0, 1.0]), degrees + 90.0)
+    upper = box((6.0, 1.0, 1.0), (-3.0, -0.5, 0.0), "upper").transformed(turn, (0.0, 0.0, 1.0))
+    assembly = Assembly((lower, upper))
+    push = Fill(cover=0.4, weight=20e3, k=0.0).on(assembly).wrench[:, 2]
+    shared = 1.0 / np.cos(np.deg2rad(degrees))  # [m2], a rhombus 1 m high
+    np.testing.assert_allclose(push, [-28e3 * (6.0 - shared), -8e3 * 6.0])
 
 
 def test_joints_along_meridians_of_a_dome_are_not_below_fill() -> None:

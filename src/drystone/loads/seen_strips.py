@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, TypeAlias
 
@@ -155,6 +155,18 @@ class SeenStrips(OneLine):
         inside = self.chosen((self.t[:, 0] < high) & (self.t[:, 1] > low))
         return inside._between(np.maximum(inside.t[:, 0], low), np.minimum(inside.t[:, 1], high))
 
+    def _bands(self, least: float) -> Iterator[SeenStrips]:
+        """Those of each place along t, where these have the same ends to so many [m]."""
+        middle = self.t.mean(axis=1)
+        order = np.argsort(middle, kind="stable")
+        ends = np.flatnonzero(np.diff(middle[order]) > least) + 1
+        yield from (self.chosen(here) for here in np.split(order, ends) if len(here))
+
+    def _and(self, others: Sequence[SeenStrips]) -> SeenStrips:
+        names = "block", "t", "s", "width", "r", "slope"
+        each = ([getattr(one, name) for one in (self, *others)] for name in names)
+        return SeenStrips(self.axes, *(frozen(np.concatenate(some)) for some in each))
+
     def _between(self, low: Floats, high: Floats) -> SeenStrips:
         share = (np.stack([low, high], axis=1) - self.t[:, :1]) / np.diff(self.t)
         s, width, r = (
@@ -229,43 +241,66 @@ def _on_line(start: Floats, end: Floats, t: Floats) -> Floats:
 
 
 def _visible(strips: SeenStrips, places: Floats, least: float) -> SeenStrips:
-    """What no other strip hides; all strips at one place along t have the same ends.
+    """What no other strip hides, where all strips at one place along t have the same ends.
 
     The lines along which strips end, and places along s, part what is between two ends: each
-    part is that of the strip nearest to the eye.
+    part is that of the strip nearest to the eye. Strips are cut as well where such lines cross.
     """
-    if not len(strips.block):
-        return strips
-    middle = strips.t.mean(axis=1)
-    order = np.argsort(middle, kind="stable")
-    ends = np.flatnonzero(np.diff(middle[order]) > least) + 1
-    sides = np.stack([strips.s - 0.5 * strips.width, strips.s + 0.5 * strips.width])
-    mids = *(x.mean(axis=1) for x in (strips.s, strips.width, strips.r)), strips.slope[:, 1]
-    owner, low, high = [], [], []
-    for here in np.split(order, ends):
-        s, width, r, across = (one[here, None] for one in mids)
-        lines = np.concatenate([*sides[:, here], np.repeat(places[:, None], 2, axis=1)])
-        kept = np.arange(len(lines)) >= 2 * len(here)
-        rank = np.argsort(lines.mean(axis=1), kind="stable")
-        lines, kept = lines[rank], kept[rank]
-        at = lines.mean(axis=1)
-        parts = np.flatnonzero(np.diff(at) > least)
-        away = 0.5 * (at[parts] + at[parts + 1]) - s
-        near = np.where(np.abs(away) < 0.5 * width, r + across * away, -np.inf)
-        top = np.where(np.isfinite(near).any(axis=0), near.argmax(axis=0), -1)
-        cut = np.cumsum(kept)[parts]  # places before each part
-        first = np.flatnonzero(np.diff(top, prepend=-2) | np.diff(cut, prepend=-1))
-        last = np.append(first[1:], len(top)) - 1
-        some = top[first] >= 0
-        own = here[top[first[some]]]
-        owner.append(own)
-        low.append(np.maximum(lines[parts[first[some]]], sides[0, own]))
-        high.append(np.minimum(lines[parts[last[some]] + 1], sides[1, own]))
-    own = np.concatenate(owner)
-    seen, starts, stops = strips.chosen(own), np.concatenate(low), np.concatenate(high)
-    s = 0.5 * (starts + stops)
-    r = seen.r + seen.slope[:, 1:] * (s - seen.s)
-    width = np.maximum(stops - starts, 0.0)
-    return SeenStrips(
-        seen.axes, seen.block, seen.t, frozen(s), frozen(width), frozen(r), seen.slope
-    )
+    seen = []
+    for band in strips._bands(least):
+        crossed = _crossings(band, least)
+        pieces = band.cut_at(crossed)._bands(least) if len(crossed) else [band]
+        seen += [_parts(one, places, least) for one in pieces]
+    return strips.chosen(np.zeros(0, dtype=np.intp))._and(seen)
+
+
+def _lines(band: SeenStrips) -> Floats:
+    """Lines (l, 2) [m] along which strips begin, then those along which they end, at both ends."""
+    return np.concatenate([band.s - 0.5 * band.width, band.s + 0.5 * band.width])
+
+
+def _crossings(band: SeenStrips, least: float) -> Floats:
+    """Places [m] along t, inside, at which sides of strips of a band cross with no other before."""
+    start, end = _lines(band).T
+    before, after = (one[:, None] - one for one in (start, end))
+    one, other = np.nonzero((before > least) & (after < -least))
+    if not len(one):
+        return np.zeros(0)
+    share = before[one, other] / (before - after)[one, other]
+    at = start[one] + share * (end - start)[one]
+    s, width, r = (x[:, :1] + share * np.diff(x) for x in (band.s, band.width, band.r))
+    r = r + band.slope[:, 1:] * (at - s)
+    each, pair = np.arange(len(share)), np.stack([one, other]) % len(band.block)
+    lower = r[pair, each].min(axis=0)
+    covers = np.abs(at - s) <= 0.5 * width + least
+    covers[pair, each] = False
+    low, high = band.t[0]
+    found = np.unique(low + share[~(covers & (r > lower + least)).any(axis=0)] * (high - low))
+    inside = (np.diff(found, prepend=low) > 2.0 * least) & (high - found > 2.0 * least)
+    return np.asarray(found[inside])
+
+
+def _parts(band: SeenStrips, places: Floats, least: float) -> SeenStrips:
+    """What is seen of strips between the same ends, whose sides do not cross."""
+    s, width, r = (one.mean(axis=1)[:, None] for one in (band.s, band.width, band.r))
+    own = _lines(band)
+    lines = np.concatenate([own, np.repeat(places[:, None], 2, axis=1)])
+    kept = np.arange(len(lines)) >= len(own)
+    rank = np.argsort(lines.mean(axis=1), kind="stable")
+    lines, kept = lines[rank], kept[rank]
+    at = lines.mean(axis=1)
+    parts = np.flatnonzero(np.diff(at) > least)
+    away = 0.5 * (at[parts] + at[parts + 1]) - s
+    near = np.where(np.abs(away) < 0.5 * width, r + band.slope[:, 1:] * away, -np.inf)
+    top = np.where(np.isfinite(near).any(axis=0), near.argmax(axis=0), -1)
+    cut = np.cumsum(kept)[parts]  # places before each part
+    first = np.flatnonzero(np.diff(top, prepend=-2) | np.diff(cut, prepend=-1))
+    last = np.append(first[1:], len(top)) - 1
+    some = top[first] >= 0
+    mine = top[first[some]]
+    low = np.maximum(lines[parts[first[some]]], own[mine])
+    high = np.minimum(lines[parts[last[some]] + 1], own[len(own) // 2 + mine])
+    one, s = band.chosen(mine), 0.5 * (low + high)
+    r = one.r + one.slope[:, 1:] * (s - one.s)
+    width = np.maximum(high - low, 0.0)
+    return SeenStrips(one.axes, one.block, one.t, s, width, r, one.slope)

@@ -119,7 +119,9 @@ class Combinations(Answer):
             told = f"{rounded_down(carried, 3):.3g} of its other actions"
             said.append(Sentence(f"beside the permanent ones it stands up to {told}"))
         elif carried == 0.0:
-            said.append(Sentence("it does not stand under its permanent actions alone"))
+            alike = self.carries.count(0.0) - 1
+            others = f", as {alike} more: which of these is worst is not known" if alike else ""
+            said.append(Sentence(f"it does not stand under its permanent actions alone{others}"))
         if np.isfinite(share) and share > 0.0:
             cracked = ", its joints cracked" if self.governing.contacts.brittle else ""
             shares = " and ".join(
