@@ -194,11 +194,16 @@ class Tops:
         free = self.strips.t[~self.assembly.fixed[self.strips.block]]
         return float(free.min()), float(free.max())
 
+    @cached_property
+    def sides(self) -> Floats:
+        """Least and largest y (2,) [m] of the tops of free blocks."""
+        free = self.strips.chosen(~self.assembly.fixed[self.strips.block])
+        return np.array([(free.s - 0.5 * free.width).min(), (free.s + 0.5 * free.width).max()])
+
     @property
     def breadth(self) -> float:
-        """[m], along y."""
-        low, high = self.strips.s - 0.5 * self.strips.width, self.strips.s + 0.5 * self.strips.width
-        return float(high.max() - low.min())
+        """[m], along y, of the free blocks."""
+        return float(np.ptp(self.sides))
 
     def depth(self, x: float) -> float:
         """[m], from the road to the highest top at a place, or at the nearest that has one."""
@@ -251,15 +256,8 @@ class Tops:
         before = middle + SAME * self.breadth * level
         some = np.zeros(len(middle), dtype=bool)
         some[self._plan.query(shapely.points(before[:, :2]), "intersects")[0]] = True
-        return seen.chosen(
-            some & (np.abs(before[:, 1] - self._across.mean()) < 0.5 * np.ptp(self._across))
-        )
-
-    @cached_property
-    def _across(self) -> Floats:
-        """Least and largest y [m] of the tops of free blocks."""
-        mine = self.strips.chosen(~self.assembly.fixed[self.strips.block])
-        return np.array([(mine.s - 0.5 * mine.width).min(), (mine.s + 0.5 * mine.width).max()])
+        inside = np.abs(before[:, 1] - self.sides.mean()) < 0.5 * self.breadth
+        return seen.chosen(some & inside)
 
     @cached_property
     def _plan(self) -> shapely.STRtree:

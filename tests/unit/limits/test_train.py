@@ -310,3 +310,16 @@ def test_a_train_that_cannot_be_read_is_told_in_one_line(
     path.write_text(text, "utf-8")
     with pytest.raises(InputError, match=told):
         Train.named(str(path))
+
+
+@pytest.mark.parametrize("across", [0.0, 2.4])
+def test_ground_beside_a_bridge_carries_nothing_of_a_train(across: float) -> None:
+    """A fixed slab below it, 4 m wider, changes neither the breadth nor the factor."""
+    bridge, fill = segmental_bridge(5.0, 1.5), Fill(cover=0.4, weight=19e3, k=0.3)
+    low, high = bridge.bounds.reshape(-1, 3).min(axis=0), bridge.bounds.reshape(-1, 3).max(axis=0)
+    size = high - low + (2.0, 4.0, 0.0)
+    slab = box((size[0], size[1], 0.5), (low[0] - 1.0, low[1] - 2.0, low[2] - 0.5), "slab")
+    wide = Assembly((*bridge.blocks, slab), [*bridge.fixed.tolist(), True])
+    train = Train("axle", (0.0,), (1e5,), contact=0.4, across=across)
+    alone, beside = (limit_train(one, train=train, fill=fill, steps=3) for one in (bridge, wide))
+    assert beside.limit.stands == pytest.approx(alone.limit.stands, rel=1e-6)
