@@ -12,7 +12,7 @@ import numpy as np
 from drystone.assembly import Assembly
 from drystone.base.arrays import SAME, lengths
 from drystone.base.display import named
-from drystone.base.errors import InputError, counted
+from drystone.base.errors import InputError, counted, located
 from drystone.base.units import FORCES, measured, quantity
 from drystone.contacts import DRAWN, Contacts, joined_contacts
 from drystone.geometry.frames import frames_from_normals
@@ -99,14 +99,12 @@ def with_tie_words(model: Model, given: Iterable[str]) -> Model:
         length, or no fill of the load resists.
     """
     for text in given:
-        try:
+        with located(f"tie {text[:60]}"):
             if text.strip() == "fill":
                 model = with_resisting_fill(model)
             else:
                 ends = _read(text, model.assembly)
                 model = tied(_noted(model, *ends), *ends)
-        except InputError as error:
-            raise error.located(f"tie {text[:60]}") from error
     return model
 
 

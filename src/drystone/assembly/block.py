@@ -16,7 +16,7 @@ import numpy as np
 
 from drystone.base.arrays import Bools, Floats, frozen, frozen_floats, frozen_points, number
 from drystone.base.display import OneLine
-from drystone.base.errors import DefectKind, InputError
+from drystone.base.errors import DefectKind, InputError, located
 from drystone.geometry.closing import separate_parts
 from drystone.geometry.polyhedron import body_mass_properties
 from drystone.geometry.selfcontact import self_contacts
@@ -84,11 +84,9 @@ class Block(OneLine):
         if not isinstance(self.name, str) or not self.name:
             raise InputError("a block needs a name", remedy="give a non-empty string")
         density = _density(self.density, where)
-        try:
+        with located(where):
             vertices = frozen_points(self.vertices, (None, 3), "vertices")
             surface = closed_surface(self.faces, len(vertices))
-        except InputError as error:
-            raise error.located(where) from error
         vertices = frozen(surface.select(vertices))
         bounds = frozen(np.array([vertices.min(axis=0), vertices.max(axis=0)]))
         extent = math.dist(*bounds.tolist())

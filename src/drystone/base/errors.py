@@ -213,6 +213,15 @@ class SolverError(DrystoneError, RuntimeError):
 
 
 @contextmanager
+def located(where: str, remedy: str | None = None) -> Iterator[None]:
+    """Errors inside are raised with this place; see :meth:`InputError.located`."""
+    try:
+        yield
+    except InputError as error:
+        raise error.located(where, remedy) from error
+
+
+@contextmanager
 def one_line_errors() -> Iterator[None]:
     """Convert errors that quote a file to one printable line."""
     try:

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
-from drystone.base.errors import InputError, meant
+from drystone.base.errors import InputError, located, meant
 from drystone.cli.offered import MODEL, Option
 
 if TYPE_CHECKING:
@@ -99,7 +99,5 @@ def setting(text: str, known: Parameters) -> tuple[str, Any]:
     if not equals:
         raise InputError(f"'{text}' is not NAME=VALUE", where="--set")
     refuse_unknown(name, known, "--set")
-    try:
+    with located(f"--set {name}"):
         return name, known[name].value(value.strip())
-    except InputError as error:
-        raise error.located(f"--set {name}") from error

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from drystone.base.display import differing
-from drystone.base.errors import InputError
+from drystone.base.errors import InputError, located
 from drystone.cli import families, kinds, options
 from drystone.cli.command import command
 from drystone.cli.model_input import HOW
@@ -115,13 +115,11 @@ def parameter_range(text: str, known: families.Parameters) -> Parameter:
         raise InputError(f"'{text}' is not NAME=LOW:HIGH", where="--vary")
     families.refuse_unknown(name, known, "--vary")
     low, colon, high = bounds.partition(":")
-    try:
+    with located("--vary"):
         values = [
             families.setting(f"{name}={one}", known)[1]
             for one in ((low, high) if colon else bounds.split(","))
         ]
-    except InputError as error:
-        raise error.located("--vary") from error
     if not colon:
         return Parameter(name, choices=tuple(values))
     if not all(isinstance(end, int | float) for end in values):

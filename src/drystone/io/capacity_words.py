@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from drystone.base import units
-from drystone.base.errors import InputError
+from drystone.base.errors import InputError, located
 from drystone.base.files import read_bytes
 from drystone.joint_capacity import DRY, NO_LIMIT, JointCapacity
 from drystone.model import Model
@@ -49,11 +49,9 @@ def with_strength(model: Model, text: str) -> Model:
         It is none above zero.
     """
     where = "strength"
-    try:
+    with located(where):
         plain = None if text.strip("0. ") else 0.0  # zero is refused in any unit
         pressure = units.measured(text, units.PRESSURES, plain, where)
-    except InputError as error:
-        raise error.located(where) from error
     if not 0.0 < pressure < np.inf:
         raise InputError(f"is {text}", where=where, remedy="give more than zero, such as 5MPa")
     before = model.contacts.capacity or JointCapacity.dry(model.contacts.count)
@@ -75,10 +73,8 @@ def _of_words(model: Model, text: str) -> JointCapacity:
         name, equals, value = (one.strip() for one in part.partition("="))
         if not equals or name not in (*DRY, "moment") or name in found:
             raise InputError(f"'{part}' is no capacity", where=_WHERE, remedy=f"write {_EXAMPLE}")
-        try:
+        with located(_WHERE):
             found[name] = units.measured(value, known[name == "moment"], what=name)
-        except InputError as error:
-            raise error.located(_WHERE) from error
         stress[name] = value.endswith("Pa")
     if found.get("compression", 1.0) <= 0.0:
         remedy = "give more than zero, such as 5MPa"
@@ -90,10 +86,8 @@ def _of_words(model: Model, text: str) -> JointCapacity:
     }
     if "compression" in forces:  # of edges, which have no area, it is zero
         strength = {"compression": np.broadcast_to(forces.pop("compression"), area.shape)}
-    try:
+    with located(_WHERE):
         return replace(JointCapacity.of(model.contacts, **forces), **strength)
-    except InputError as error:
-        raise error.located(_WHERE) from error
 
 
 def _of_table(model: Model, path: str) -> JointCapacity:
@@ -146,7 +140,5 @@ def _of_table(model: Model, path: str) -> JointCapacity:
                 remedy = "give N above 0, or an empty cell: it does not crush then"
                 raise InputError("compression is 0", where=where, remedy=remedy)
             values[name][own] = NO_LIMIT if value >= NO_LIMIT else value * share[own]
-    try:
+    with located(path):
         return JointCapacity(**values)
-    except InputError as error:
-        raise error.located(path) from error

@@ -92,10 +92,8 @@ def read(top: Field) -> Draft:
 def detection_of(field: Field) -> DetectionOptions:
     """The tolerances with which the contacts of a file were searched; others are the defaults."""
     field.only(tuple(one.name for one in dataclasses.fields(DetectionOptions)))
-    try:
+    with field.blamed():
         return DetectionOptions(**field.value)
-    except InputError as error:
-        raise field.error(error.what, error.remedy) from error
 
 
 def _shape(field: Field) -> DraftBlock:

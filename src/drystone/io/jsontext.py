@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import chain
@@ -13,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from drystone.base.arrays import Floats, Ints
-from drystone.base.errors import FormatError
+from drystone.base.errors import FormatError, InputError
 from drystone.base.files import decode, toml_of
 
 _LARGEST_WHOLE = 2**53
@@ -102,6 +103,14 @@ class Field:
         """An error about this field, to be raised."""
         where = f"{self.file}: {self.path}{at}".rstrip(": ")
         return FormatError(what, where=where, remedy=remedy)
+
+    @contextmanager
+    def blamed(self) -> Iterator[None]:
+        """Errors inside are about this field."""
+        try:
+            yield
+        except InputError as error:
+            raise self.error(error.what, error.remedy) from error
 
     def _expect(self, kind: type | tuple[type, ...], name: str) -> None:
         if not isinstance(self.value, kind) or (isinstance(self.value, bool) and kind is not bool):

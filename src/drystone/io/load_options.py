@@ -13,7 +13,7 @@ import numpy as np
 
 from drystone.assembly import Assembly
 from drystone.base.arrays import texts
-from drystone.base.errors import InputError, quoted
+from drystone.base.errors import InputError, located, quoted
 from drystone.io.jsontext import Field, parse
 from drystone.loads import Earth, Fill, LoadCase
 from drystone.loads.earthquake import Shaken, with_shaken_weights
@@ -82,10 +82,8 @@ class Loads:
             return self._whole
         given = self.gravity
         text = given if isinstance(given, str) else ",".join(map(repr, np.ravel(given).tolist()))
-        try:
+        with located("gravity"):
             return gravity_vector(text)
-        except InputError as error:
-            raise error.located("gravity") from error
 
     @property
     def _added(self) -> list[Any]:

@@ -13,7 +13,7 @@ from drystone.assembly import Assembly
 from drystone.assembly.block import require_sound
 from drystone.base.arrays import Bools, Ints, texts
 from drystone.base.display import differing, named, shortened
-from drystone.base.errors import DrystoneError, InputError, counted
+from drystone.base.errors import DrystoneError, InputError, counted, located
 from drystone.base.progress import LongWork, Progress
 from drystone.base.settings import checked_call
 from drystone.base.units import coefficient
@@ -351,10 +351,8 @@ def _searched(how: How) -> DetectionOptions | None:
 def _coefficient(friction: float | str | None) -> float | None:
     if not isinstance(friction, str):
         return friction
-    try:
+    with located("friction"):
         return coefficient(friction)
-    except InputError as error:
-        raise error.located("friction") from error
 
 
 def _with_joints(model: Model, how: How) -> Model:
@@ -409,10 +407,8 @@ def kept_of(
 
 def _named(assembly: Assembly, given: Sequence[str], option: str) -> Bools:
     """The blocks (n,) that names and patterns mean."""
-    try:
+    with located(option):
         chosen = [select(assembly, text).fixed for text in given]
-    except InputError as error:
-        raise error.located(option) from error
     return np.any(chosen, axis=0)
 
 

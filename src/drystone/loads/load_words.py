@@ -8,7 +8,7 @@ from typing import TypeAlias
 
 from drystone.assembly import Assembly
 from drystone.base import units
-from drystone.base.errors import InputError
+from drystone.base.errors import InputError, located
 from drystone.loads.case import LoadCase, name_of_sum
 from drystone.loads.fill import Earth, Fill
 
@@ -70,13 +70,11 @@ def load_of_words(
     """
     kind, _, words = text.partition(":")
     if kind in _GROUND and kind not in assembly.names:
-        try:
+        with located(f"{where} {kind}"):
             if gravity is not None and any(gravity[:2]):
                 remedy = "leave out --gravity X,Y,Z; 'limit tilt' turns blocks and their fill"
                 raise InputError("weighs along -z, and gravity is turned", remedy=remedy)
             return _GROUND[kind].named(words).on(assembly)
-        except InputError as error:
-            raise error.located(f"{where} {kind}") from error
     block, colon, rest = text.rpartition(":")
     what, at_sign, place = (part.strip() for part in rest.partition("@"))
     if not colon or not block:
@@ -134,11 +132,9 @@ def move_of_words(text: str, assembly: Assembly) -> LoadCase:
             f"'{text}' names no block", where="move", remedy="write BLOCK:DX,DY,DZ[,RX,RY,RZ]"
         )
     values = [_number(part, "move") for part in rest.split(",")]
-    try:
+    with located("move"):
         turned = [math.radians(value) for value in values[3:]]
         return LoadCase.settlement(assembly, block, values[:3] + turned)
-    except InputError as error:
-        raise error.located("move") from error
 
 
 def seismic_of_words(text: str, assembly: Assembly) -> LoadCase:

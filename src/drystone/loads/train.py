@@ -13,7 +13,7 @@ from typing import Any, Self
 import numpy as np
 
 from drystone.base.arrays import Floats, frozen_floats
-from drystone.base.errors import InputError, counted, meant
+from drystone.base.errors import InputError, counted, located, meant
 from drystone.base.files import read_bytes, toml_of
 from drystone.base.settings import Options
 from drystone.base.units import quantity
@@ -159,11 +159,9 @@ class Train(Options):
             what = f"'{odd[0]}' is no key" if odd else "it has no axles"
             raise InputError(what, where=where, remedy=f"give {', '.join(_KEYS)}")
         loads, places = _axles(axles, where)
-        try:
+        with located(where):
             known = {key: read(str(found[key])) for key, read in _READ.items() if key in found}
             return cls(name, places, loads, source=str(found.get("source", "")), **known)
-        except InputError as error:
-            raise error.located(where) from error
 
     def on(self, tops: Tops, middle: float) -> Floats:
         """Wrenches (n, 6) of its axles on a bridge, its middle at a place [m] along x."""
@@ -201,13 +199,11 @@ class Train(Options):
 def _axles(texts: Sequence[Any], where: str) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """Loads [N] and places [m] of axles such as ``300kN at 1.2m``."""
     each = [str(one).partition(" at ") for one in texts]
-    try:
+    with located(where, "write '300kN at 1.2m'"):
         for load, at, _ in each:
             if not at:
                 raise InputError(f"axle '{load}' has no place")
         return tuple(force(one[0]) for one in each), tuple(length(one[2]) for one in each)
-    except InputError as error:
-        raise error.located(where, "write '300kN at 1.2m'") from error
 
 
 @cache

@@ -14,7 +14,7 @@ from drystone.answer import Answer, Layer, LayerKind, Role, Scene, Sentence, Ver
 from drystone.answer.drawing import areas, interface_layers
 from drystone.base.arrays import Bools, Floats, Ints, lengths
 from drystone.base.declared import Offered
-from drystone.base.errors import InputError, counted
+from drystone.base.errors import InputError, counted, located
 from drystone.base.progress import Progress, Stop
 from drystone.base.settings import checked_call
 from drystone.base.table import Table
@@ -408,10 +408,8 @@ def virtual_contacts(model: Model, words: Sequence[str]) -> Contacts:
     made = model.contacts
     for word in [words] if isinstance(words, str) else words:
         what, _, blocks = word.partition("@")
-        try:
+        with located(_WHERE):
             made = _reduced(model, made, what.strip(), _joints(model, blocks.strip()))
-        except InputError as error:
-            raise error.located(_WHERE) from error
     return made
 
 

@@ -22,7 +22,7 @@ from drystone.assembly import Assembly
 from drystone.base.arrays import Floats, Ints, lengths
 from drystone.base.declared import Offered
 from drystone.base.display import named
-from drystone.base.errors import InputError, counted
+from drystone.base.errors import InputError, counted, located
 from drystone.base.progress import Clock
 from drystone.base.ragged import linked
 from drystone.base.settings import checked_call
@@ -515,10 +515,8 @@ def _turning(
 ) -> tuple[Turning, Floats]:
     """A part that turns about a line, and its virtual motion (n, 6)."""
     assembly = model.assembly
-    try:
+    with located("part"):
         chosen = kept_of(assembly, part)
-    except InputError as error:
-        raise error.located("part") from error
     chosen = chosen[~assembly.fixed[chosen]]
     if not len(chosen):
         raise InputError("has no free block", where="part", remedy="name blocks that can move")

@@ -196,10 +196,8 @@ class SeismicDemand(OneLine):
         if given and len(given) < len(above):
             raise top.error(f"has {given[0]}, not all of {', '.join(above)}", "give all three")
         edition = top.get("edition", "2009").text()
-        try:
+        with top.blamed():
             state = LimitState.named(edition, top.get("state", "SLV").text())
-        except InputError as error:
-            raise top.error(error.what, error.remedy) from error
         behaviour = _behaviour(top, state)
         confidence = _confidence(top, edition)
         for one in (behaviour, confidence):
@@ -323,13 +321,11 @@ def _known(table: Field, key: str, what: str) -> Field:
 def _spectrum(top: Field, code: str) -> Spectrum:
     """That of a site."""
     ground, soil = _acceleration(top["ag"]), top["soil"].text()
-    try:
+    with top.blamed():
         if code == "ec8":
             return Spectrum.ec8(ground, soil, top.get("type", 1).integer())
         shape, corner = _positive(top["F0"]), _positive(top["TC_star"])
         return Spectrum.ntc(ground, shape, corner, soil, _positive(top.get("topography", 1.0)))
-    except InputError as error:
-        raise top.error(error.what, error.remedy) from error
 
 
 def _behaviour(top: Field, state: LimitState) -> Field:
@@ -345,10 +341,8 @@ def _confidence(top: Field, edition: str) -> Field:
     given = top.get("confidence", data["level"][edition].text())
     if not isinstance(given.value, str):
         return given
-    try:
+    with given.blamed():
         return _known(data["confidence"], given.text(), "level")
-    except InputError as error:
-        raise given.error(error.what, error.remedy) from error
 
 
 def _acceleration(one: Field) -> float:

@@ -21,7 +21,7 @@ from scipy.spatial import cKDTree
 
 from drystone.base.arrays import SAME, Floats, dot, frozen_points, lengths, unit
 from drystone.base.display import OneLine
-from drystone.base.errors import InputError, counted
+from drystone.base.errors import InputError, counted, located
 from drystone.base.ragged import Ragged
 from drystone.geometry.coincidence import first_coincident
 from drystone.geometry.frames import frames_from_normals
@@ -105,10 +105,8 @@ def vaults_from_mesh(
     bends = [arc_lengths(plan[run])[1:-1][np.isin(run[1:-1], sharp)] for run in runs]
     bends = bends[1:] + bends[:1]
     spine = spine_of(plan[border], sides, bends)
-    try:
+    with located(f"mesh '{name}'", _NAME_ENDS):
         shape = _vaults(spine, sides, feet, lifted, name)
-    except InputError as error:
-        raise error.located(f"mesh '{name}'", _NAME_ENDS) from error
     return shape, _farthest(points, shape, name)
 
 
@@ -372,10 +370,8 @@ def patch_from_mesh(
             where=f"mesh '{name}'",
             remedy=_REMEDY,
         )
-    try:
+    with located(f"mesh '{name}'", _REMEDY):
         check_patch(patch)
-    except InputError as error:
-        raise error.located(f"mesh '{name}'", _REMEDY) from error
     return MeshFit(
         patch,
         farthest,

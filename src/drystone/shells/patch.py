@@ -19,7 +19,7 @@ import numpy as np
 
 from drystone.base.arrays import Floats, dot, floats, number
 from drystone.base.display import OneLine
-from drystone.base.errors import InputError
+from drystone.base.errors import InputError, located
 
 PatchFunction: TypeAlias = Callable[[Floats, Floats], Any]
 """u (k,), v (k,) in [0, 1] to points (k, 3) [m]."""
@@ -408,7 +408,5 @@ def numbers(values: object, what: str, where: str = "") -> Floats:
     InputError
         They are no numbers, or ragged.
     """
-    try:
+    with located(where):
         return floats(values, what)
-    except InputError as error:
-        raise error.located(where) from error

@@ -12,7 +12,7 @@ import numpy as np
 
 from drystone.base.arrays import Ints
 from drystone.base.display import OneLine
-from drystone.base.errors import InputError, meant
+from drystone.base.errors import meant
 from drystone.base.files import PathLike, as_path, read_bytes
 from drystone.io.jsontext import Field, parse_toml
 from drystone.io.opening import kept_of
@@ -444,10 +444,8 @@ def _acting(word: Field, one: Field, model: Model) -> LoadCase:
         return _weight(one, model)
     if word.text() == "model":
         return model.load
-    try:
+    with word.blamed():
         return chosen_case(word.text(), model.assembly, model.cases)
-    except InputError as error:
-        raise word.error(error.what, error.remedy) from error
 
 
 def _weight(one: Field, model: Model) -> LoadCase:
@@ -455,10 +453,8 @@ def _weight(one: Field, model: Model) -> LoadCase:
     whole = LoadCase.gravity(model.assembly)
     if not one.has("blocks"):
         return whole
-    try:
+    with one["blocks"].blamed():
         kept = kept_of(model.assembly, one["blocks"].text())
-    except InputError as error:
-        raise one["blocks"].error(error.what, error.remedy) from error
     wrench = np.zeros_like(whole.wrench)
     wrench[kept] = whole.wrench[kept]
     return LoadCase(wrench, f"gravity of {one['blocks'].text()}")
