@@ -86,11 +86,10 @@ class PlanFiles(WithFilm):
             jobs.append((self.csv, (plan if margins is None else margins).table().to_csv))
         if self.work is None:
             return jobs, notes
-        from drystone.sequence import handling, without_robot
+        from drystone.sequence import handling
 
         placed = handling(plan, robots, margins=margins, scaffolding=made)
-        known = {*plan.notes, *without_robot(plan, robots)}
-        more = sorted({*placed.notes} - known, key=placed.notes.index)
+        more = sorted({*placed.notes} - {*plan.notes}, key=placed.notes.index)
         flat = self.work.suffix == ".csv"
         jobs.append((self.work, placed.table().to_csv if flat else placed.save_json))
         return jobs, [*notes, *more]
@@ -200,9 +199,9 @@ def plan(
 ) -> Told:  # fmt: skip
     """Plan the assembly of a model: order, blocks to hold, blocks to prop.
 
-    Exit code 0: every stage stands without a prop. 1: props are needed, blocks cannot be inserted,
-    no robot is free for one, or the complete model does not stand. 2: bad input. 130: stopped by
-    Ctrl-C, with the blocks that are known to be placed last.
+    Exit code 0: every stage stands without a prop. 1: props are needed, blocks cannot be placed, or
+    the complete model does not stand. 2: bad input. 130: stopped by Ctrl-C, with the blocks that
+    are known to be placed last.
     """
     refuse_unused(chosen.scaffold_options, chosen.scaffold)
     others = (
@@ -266,12 +265,10 @@ def plan(
                 time_limit_s=limit,
             )  # fmt: skip
     also = {"scaffolding": made, "margins": measured, "friction_sweep": swept}
-    missing = sequence.without_robot(found, robot)
     kept = [waiting.left()] if found.stopped and checkpoint is not None else []
     return Told(
         found, {key: one for key, one in also.items() if one is not None},
-        notes=[*model.notes, *found.notes, *kept, *missing],
-        exit_code=max(found.code, bool(missing)),
+        notes=[*model.notes, *found.notes, *kept],
         files=partial(wanted.all_of, found, made, measured, robot),
         into=wanted.stages if found.steps else None,
     )  # fmt: skip

@@ -119,19 +119,17 @@ class Site:
         self.ways: Floats = np.array(options.directions, dtype=np.float64).reshape(-1, 3)
         self.staged = StagedModel(structure.model)
         self.removal = RemovalTest(self.staged)
-        self.bound: BoundRules = bind(options.rules, self.staged, self.removal)
-        self.blocks = tuple(members(self.staged.everything & ~self.bound.core))
+        bound: BoundRules = bind(options.rules, self.staged, self.removal)
+        self.bound = bound.without_what_falls(lambda left: structure.stands([*members(left)]))
+        self.blocks = tuple(members(self.bound.there & ~self.bound.core))
         if not self.blocks:
             raise InputError("there is no block to place", remedy="leave some out of the supports")
         self.before = [0] * len(structure.model)  # per block those that come first
         for first in self.blocks:
             for then in members(self.bound.after[first]):
                 self.before[then] |= 1 << first
-        robots, assembly = options.rules.robots, self.staged.assembly
-        able = [robot.manages(assembly.centroid, assembly.mass) for robot in robots]
-        self.able: Bools = np.array(able).reshape(len(robots), len(assembly))
         self.shape = (
-            len(self.blocks), max(1, len(options.directions)), max(1, len(robots)),
+            len(self.blocks), max(1, len(options.directions)), max(1, len(options.rules.robots)),
             1 + (self.bound.hands > 1),
         )  # fmt: skip
 
@@ -187,9 +185,9 @@ class Building:
                 continue
             ways = site.free_ways(block, self.placed | 1 << block)
             robots = np.array([bound.lifters[block] <= idle])
-            if len(site.able):
-                busy = np.isin(np.arange(len(site.able)), [*self.held.values()])
-                robots = site.able[:, block] & ~busy
+            if len(bound.able):
+                busy = np.isin(np.arange(len(bound.able)), [*self.held.values()])
+                robots = bound.able[:, block] & ~busy
             here = ways[:, None] & robots
             near = site.staged.neighbours[block] & self.placed
             out[number, :, :, 0] = here & bool(near or site.staged.grounds[block])
@@ -215,7 +213,7 @@ class Building:
         failed = "" if answer.stands else answer.message or "it falls"
         if overloads(answer, [*self.held], site.bound.limit, site.staged):
             failed = "a held block is too heavy"
-        whole = self.placed == site.staged.everything
+        whole = self.placed == site.bound.there
         complete = whole and not self.held and not failed
         if failed or complete:
             return self._ended(PlacedBlock(share, complete, failed, answer))

@@ -205,7 +205,7 @@ def _margin_of(
     if some.assembly.fixed.all():
         return Margin(0.0, upper)
     some = some.with_contacts(some.contacts.select(some.active))
-    if not some.contacts.count:  # it floats: what it would rest on cannot be placed
+    if not some.contacts.count:  # it floats: nothing props it
         return Margin(math.inf, 0.0)
     check = structure.check
     least = limit_friction(some, check=check, options=widths[0]).best
@@ -340,7 +340,7 @@ def at_other_friction(plan: Plan, other: Plan) -> tuple[Plan | None, str]:
     if set(plan.impossible) != set(other.impossible):
         return None, "other blocks cannot be inserted"
     steps = []
-    limit = strength(plan.rules, other.model)[2]
+    limit = strength(plan.rules, other.model)[1]
     with Evaluator(other.model) as evaluator:
         for number, old in enumerate(plan.steps):
             before = plan.before(number)

@@ -231,7 +231,7 @@ class OrderSearch(StageTree):
         if self.reached is None or node.placed.bit_count() < self.reached.placed.bit_count():
             self.reached = node
         if self.progress is not None:
-            total = (self.model.everything & ~self.bound.core).bit_count()
+            total = (self.bound.there & ~self.bound.core).bit_count()
             left = (node.placed & ~self.bound.core).bit_count()
             self.progress("planning", total - left, total)
 

@@ -20,6 +20,7 @@ from drystone.results import Result, Verdict
 from drystone.results.stage import force_layers
 from drystone.sequence.plan_steps import PlannedSteps, Status, assigned
 from drystone.sequence.robots import Robot
+from drystone.sequence.rules import WAITS
 from drystone.sequence.stages import StageAnswer, StagedModel, members
 
 _MOST_ARROWS = 200_000
@@ -69,6 +70,7 @@ def _of_step(plan: PlannedSteps, number: int, forces: bool) -> list[SceneStage]:
             parts.append(f"propped: {', '.join(names[b] for b in propped)}")
         if state[block] in (State.FREE, State.LATER):
             state[block] = State.COMING
+        state[[b for b in answer.falling if state[b] != State.SUPPORT]] = State.FALLING
         said = "; ".join(parts)
         stage = stage_of(plan.model, f"{here}: {names[block]}", said, state, answer, forces)
         told = f"{here.capitalize()}: {stage.headline[0].lower()}{stage.headline[1:]}"
@@ -142,20 +144,25 @@ def _sentence(answer: StageAnswer, state: Ints) -> str:
 
 
 def summary_stage(plan: PlannedSteps, title: str, message: str, verdict: Verdict) -> SceneStage:
-    """The complete structure in the colours of the statuses; the edges of what cannot be placed."""
+    """The complete structure in the colours of the statuses; the edges of what it warns of."""
     state = np.array([_STATE_OF[one] for one in plan.status], dtype=np.intp)
-    if plan.impossible:
-        impossible = [plan.model.assembly.names[b] for b in plan.impossible]
-        message += f"; cannot be placed: {', '.join(impossible)}"
+    waiting = [b for b, why in plan.impossible.items() if why.startswith(WAITS)]
+    missing = [b for b in plan.impossible if b not in waiting]
+    unsure = [b for step in plan.steps if not step.answer.stands for b in step.blocks]
+    assembly = plan.model.assembly
+    if missing:
+        message += f"; cannot be placed: {named([assembly.names[b] for b in missing])}"
     here, contacts = state != State.ABSENT, plan.model.contacts
-    up, gravity = directions(plan.model.assembly, plan.model.load)
+    up, gravity = directions(assembly, plan.model.load)
     return SceneStage(
         f"all blocks, after {counted(len(plan.steps), 'step')}", title, message, state, verdict,
         up=up, gravity=gravity,
         layers=(
             *interface_layers(contacts, here[contacts.block_a] & here[contacts.block_b]),
-            *load_layers(plan.model.assembly, plan.model.load),
-            *_left_out(plan.model.assembly, [*plan.impossible]),
+            *load_layers(assembly, plan.model.load),
+            *_outlined(assembly, waiting, "waiting", "waits for what cannot be placed"),
+            *_outlined(assembly, missing, "left-out", "cannot be placed", "help"),
+            *_outlined(assembly, unsure, "unsure", "not shown to stand when placed"),
         ),
     )  # fmt: skip
 
@@ -236,13 +243,14 @@ def _robot_layers(assembly: Assembly, team: Sequence[Robot]) -> tuple[Layer, ...
     return bases, Layer("reach", label, LayerKind.LINES, "reaction", start[near], way[near])
 
 
-def _left_out(assembly: Assembly, blocks: Sequence[int]) -> tuple[Layer, ...]:
-    """The edges of blocks that cannot be placed, where they would be."""
+def _outlined(
+    assembly: Assembly, blocks: Sequence[int], key: str, label: str, ink: str = "missed"
+) -> tuple[Layer, ...]:
+    """The edges of blocks that a plan warns of, where they are or would be."""
     if not blocks:
         return ()
     faces = assembly.faces
     rings, corner = Ragged.over(faces.start), faces.point[faces.loop]
     here = np.isin(rings.spread(faces.owner), blocks)
     way = (corner[rings.following] - corner)[here]
-    label = "cannot be placed"
-    return (Layer("left-out", label, LayerKind.LINES, "missed", corner[here], way, width=2.0),)
+    return (Layer(key, label, LayerKind.LINES, ink, corner[here], way, width=2.0),)

@@ -38,7 +38,7 @@ class Status(enum.Enum):
     UNSURE = "unsure"
     """Placed alone; that it stands then was not shown."""
     IMPOSSIBLE = "impossible"
-    """Cannot be inserted."""
+    """Cannot be placed."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,7 +117,7 @@ class PlannedSteps:
     steps
         Empty if there is no plan.
     impossible
-        Blocks that cannot be inserted, and why; they are in place in no step.
+        Blocks that cannot be placed, and why; they are in place in no step.
     """
 
     model: StagedModel

@@ -33,7 +33,6 @@ from drystone.sequence.stages import (
     StagedModel,
     check_both,
     check_thoroughly,
-    mask_of,
     members,
 )
 from drystone.sequence.turns import in_turn
@@ -139,9 +138,15 @@ def plan(
     bound = bind(chosen.rules, model, RemovalTest(model))
     workers, late = clock.workers, clock.late
     with Evaluator(model, executor=workers, checkpoint=checkpoint, late=late) as evaluator:
-        complete = evaluator.answer(Stage(model.everything))
-        if check is None and model.small and not complete.stands:
-            complete = evaluator.settled(Stage(model.everything), check_thoroughly)
+
+        def finished(placed: int) -> StageAnswer:
+            """Of what is to stand at the end; it may stand after settling."""
+            answer = evaluator.answer(Stage(placed))
+            if check is None and model.small and not answer.stands:
+                return evaluator.settled(Stage(placed), check_thoroughly)
+            return answer
+
+        complete = finished(model.everything)
         if check is None and complete.verdict is Verdict.UNSTABLE and may_touch_more(model.model):
             whole = check_whole(model.model)  # near blocks that do not touch are no proof of a fall
             if whole.stable and whole.contacts.count > model.contacts.count:
@@ -156,6 +161,8 @@ def plan(
                     return _no_plan(evaluator, complete, message)
         if not complete.stands and not chosen.anyway:
             return _no_plan(evaluator, complete, _refusal(complete, model.assembly.names))
+        if complete.stands:
+            bound = bound.without_what_falls(finished)
         planner = _Planner(evaluator, bound, chosen, clock)
         try:
             return planner.run(complete)
@@ -253,7 +260,8 @@ class _Planner:
         """
         fails = any(known.failures)
         if fails and bound.rules.order is Order.TOP:
-            bound = bind(replace(bound.rules, order=Order.COURSE), self.model, bound.removal)
+            courses = bind(replace(bound.rules, order=Order.COURSE), self.model, bound.removal)
+            bound = replace(courses, impossible=bound.impossible)
         other = self.searched(complete, bound, limit=None if fails else 2 * known.cost[0])
         return min(mended(other, self.new_search(bound)), other, key=lambda one: one.rank)
 
@@ -272,9 +280,7 @@ class _Planner:
         searched below it, except where the order is given.
         """
         search = self.new_search(bound, carried=carried, limit=limit)
-        left = self.model.everything & ~mask_of(self.bound.reasons)
-        stands = complete.stands and self.evaluator.answer(Stage(left)).stands
-        root = Node(left if stands else self.model.everything, 0)
+        root = Node(bound.there, 0)
         if not complete.stands:
             root = replace(search.prop(root, complete), cost=NO_HELP)
         best = trimmed(search.run(root), search)
@@ -326,8 +332,8 @@ class _Planner:
     def stopped(self, complete: StageAnswer) -> Plan:
         """What is known when the search is stopped: which blocks are placed last."""
         reached = None if self.last_search is None else self.last_search.reached
-        total = (self.model.everything & ~self.bound.core).bit_count()
-        last = 0 if reached is None else (self.model.everything & ~reached.placed).bit_count()
+        total = (self.bound.there & ~self.bound.core).bit_count()
+        last = 0 if reached is None else (self.bound.there & ~reached.placed).bit_count()
         before = "an order was found" if last < total else "help was spared in the order found"
         message = f"{self.clock.reason} before {before}"
         if reached is not None and last:
@@ -365,10 +371,10 @@ class _Planner:
         path, active = order.path, order.props
         steps: list[Step] = []
         told = self.model.largest[0] <= MANY_BLOCKS
-        near, there = None, ~mask_of(self.bound.reasons)
+        near = None
         for number in reversed(range(1, len(path))):  # each begins at the rest states of the last
-            props = active[number - 1] & there, active[number] & there
-            step = self.step(path[number - 1], there, *props, near)
+            props = active[number - 1], active[number]
+            step = self.step(path[number - 1], *props, near)
             near = step.placed, props[1]
             fails = order.failures[number]
             if step.answer.stands and fails is not None:
@@ -384,7 +390,7 @@ class _Planner:
             steps.append(step)
             self.clock.tell("verifying stages", len(steps), len(path) - 1)
         steps.reverse()
-        impossible = dict(self.bound.reasons)
+        impossible = dict(self.bound.impossible)
         return Plan(
             self.model, tuple(steps), impossible, complete=complete,
             message="; ".join([self.message(complete, steps, impossible), *own]),
@@ -400,9 +406,10 @@ class _Planner:
             return "no block can be placed" if impossible else "there is no block to place"
         screened = self.model.quick is not None and not self.model.small
         settled = sum(step.answer.stands and bool(step.answer.settled) for step in steps)
-        words = self.flaws(complete, steps, len(impossible))
+        words = self.flaws(complete, steps)
         if not words:
-            words = [f"every stage stands{' with uniform contact stiffness' if screened else ''}"]
+            stage = "every stage of the others" if impossible else "every stage"
+            words = [f"{stage} stands{' with uniform contact stiffness' if screened else ''}"]
         if self.cut:
             words.append(self.cut)
         if settled:
@@ -414,13 +421,11 @@ class _Planner:
             )
         return "; ".join(words)
 
-    def flaws(self, complete: StageAnswer, steps: Sequence[Step], impossible: int) -> list[str]:
-        """What does not stand, or cannot be inserted."""
+    def flaws(self, complete: StageAnswer, steps: Sequence[Step]) -> list[str]:
+        """What does not stand."""
         words = []
         if not complete.stands:
             words.append("the complete structure does not stand without its props")
-        if impossible:
-            words.append(f"{counted(impossible, 'block')} cannot be placed")
         unsure = [step for step in steps if not step.answer.stands]
         if unsure:
             last = self.model.assembly.names[unsure[0].blocks[-1]]
@@ -437,23 +442,17 @@ class _Planner:
         """Whether no order needs less help: there is no help, or the search was complete."""
         props = {block for step in steps for block in step.props}
         together = sum(len(step.blocks) - 1 for step in steps)
-        if self.bound.core:
+        if self.bound.core or self.bound.impossible:
             return False
         if together == 0 and len(props) <= (0 if complete.stands else 1):
             return True
         # other props may support a complete structure that does not stand
         return proved and complete.stands
 
-    def step(
-        self, before: Node, there: int, standing: int, props: int, near: tuple[int, int] | None
-    ) -> Step:
-        """The step from one stage to the next; its order is the reverse of the search.
-
-        The search has blocks that cannot be inserted in place from the beginning: here only blocks
-        that are ``there`` are.
-        """
+    def step(self, before: Node, standing: int, props: int, near: tuple[int, int] | None) -> Step:
+        """The step from one stage to the next; its order is the reverse of the search."""
         blocks = before.group[::-1]
-        begins = placed = before.placed & there
+        begins = placed = before.placed
         motion = []
         for block in blocks:
             out = self.bound.removal.direction(block, placed)

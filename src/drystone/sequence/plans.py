@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -17,7 +18,7 @@ from drystone.results import Verdict
 from drystone.sequence.plan_layers import step_stages, summary_stage, with_robots
 from drystone.sequence.plan_steps import PlannedSteps, Prop, Status, Step, assigned
 from drystone.sequence.robots import FAR
-from drystone.sequence.rules import TOO_HEAVY, Order, Rules, too_heavy
+from drystone.sequence.rules import NO_WAY, TOO_HEAVY, WAITS, Order, Rules, too_heavy
 from drystone.sequence.stage_tree import Node
 from drystone.sequence.stages import StageAnswer, members
 
@@ -27,6 +28,15 @@ _REASONS = 3
 _SILENT = "with", "robot", "prop_force", "prop_stages", "propped_now", "margin"
 _COLUMNS = ("step", "block", "status", *_SILENT[:-1], "friction_used", "margin")
 """Of the table of a plan, and those that are hidden where they say nothing."""
+
+_KINDS = FAR, TOO_HEAVY, NO_WAY, WAITS
+"""How the reasons begin for which blocks cannot be placed, those that wait for others last."""
+
+
+def _kind(why: str) -> str:
+    """Of the reason for which a block cannot be placed."""
+    return next((one for one in _KINDS if why.startswith(one)), NO_WAY)
+
 
 _FORCES = "; forces were not compared: another order may need smaller ones"
 
@@ -138,34 +148,38 @@ class Plan(PlannedSteps, Answer):
         >>> from drystone.models import tower
         >>> from drystone.sequence import PlanOptions, Robot, Rules, plan
         >>> rules = Rules(robots=[Robot("arm", payload=2000.0)])
-        >>> plan(tower(3), options=PlanOptions(rules=rules)).notes[0]
-        'payload 2000 kg: 2 blocks weigh up to 2400 kg; give a robot of 2400 kg that reaches them'
+        >>> print(plan(tower(3), options=PlanOptions(rules=rules)).notes[0].partition(";")[0])
+        payload 2000 kg: block-1, block-2 weigh up to 2400 kg
         """
-        heavy = [b for b, why in self.impossible.items() if why.startswith(TOO_HEAVY)]
-        said = [too_heavy(self.rules, self.model, heavy)] if heavy else []
         groups: dict[str, list[int]] = {}
         for block, why in self.impossible.items():
-            if block not in heavy:
-                groups.setdefault(why.partition(":")[0], []).append(block)
-        for blocks in groups.values():
-            names, why = self.model.assembly.names, self.impossible[blocks[0]]
-            told = f"impossible: {named([names[b] for b in blocks])}: {why}"
-            said.insert(len(heavy[:1]) if why.startswith(FAR) else len(said), told)
-        return tuple(said)
+            groups.setdefault(why.partition(":")[0], []).append(block)
+        kinds = sorted(groups, key=lambda one: _KINDS.index(_kind(one)))
+        return tuple(self._why_impossible(why, groups[why]) for why in kinds)
+
+    def _why_impossible(self, why: str, blocks: list[int]) -> str:
+        """Of blocks with the same reason, as it begins; of what is out of reach the farthest."""
+        if why == TOO_HEAVY:
+            return too_heavy(self.rules, self.model, blocks)
+        assembly, one = self.model.assembly, blocks[0]
+        if why == FAR:
+            short = [arm.distance(assembly.centroid) - arm.reach for arm in self.rules.robots]
+            one = max(blocks, key=lambda b: float(np.min(short, axis=0)[b]))
+        names = named([assembly.names[b] for b in blocks])
+        return f"impossible: {names}: {self.impossible[one]}"
 
     @property
     def title(self) -> str:
         """Whether it can be assembled, and with which help."""
-        counts = self.counts
-        if counts["impossible"]:
-            why = [one.partition(":")[0] for one in self.impossible.values()]
-            known = [f"{why.count(one)} {one}" for one in (FAR, TOO_HEAVY) if one in why]
-            told = f"{counted(len(why), 'block')} cannot be placed"
-            return f"{told}: {', '.join(known)}" if known else f"{told}: no way in was found"
+        if self.impossible:
+            why = Counter(_kind(one) for one in self.impossible.values())
+            known = ", ".join(f"{why[one]} {one}" for one in _KINDS if why[one])
+            return f"{counted(len(self.impossible), 'block')} cannot be placed: {known}"
         if not self.steps:
             return "No plan"
         if self.verdict is not Verdict.STABLE:
             return "Not every stage is known to stand"
+        counts = self.counts
         kinds = [kind for kind in ("propped", "held") if counts[kind]]
         said = " and ".join(f"{counted(counts[kind], 'block')} {kind}" for kind in kinds)
         words = f"Can be assembled {f'with {said}' if said else 'without help'}"
@@ -187,14 +201,15 @@ class Plan(PlannedSteps, Answer):
         if not self.steps:
             why = self.notes or [self.message]
             return [Sentence("NO PLAN", Role.BAD), *map(Sentence, why)]
-        lost = [Sentence(one, Role.REMARK) for one in self.notes]
-        said = [Sentence(self.told, self.role), Sentence(self.message)]
-        said += self._less_help()
+        said = [Sentence(self.told, self.role), Sentence(self.message), *self._less_help()]
+        if self.impossible:
+            first = Sentence(self.title, Role.BAD)
+            said = [first, *map(Sentence, self.notes), Sentence(self.told), *said[1:]]
         why = [f"step {i}, {one.why}" for i, one in enumerate(self.steps, 1) if one.why]
         edge = [f"after step {i + 1} {words}" for i, words in self.on_edge.items()]
         told = first_of(why, "more steps with help", _REASONS)
         told += first_of(edge, "more steps without margin", _REASONS)
-        return [*said, *map(Sentence, told), *lost]
+        return [*said, *map(Sentence, told)]
 
     def _less_help(self) -> list[Sentence]:
         """Whether another order needs less help, or how to look for one."""

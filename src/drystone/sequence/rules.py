@@ -10,21 +10,23 @@ from __future__ import annotations
 
 import enum
 import re
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from graphlib import CycleError, TopologicalSorter
 
 import numpy as np
+from scipy.optimize import linear_sum_assignment
 
 from drystone.base.arrays import Bools, Floats, Ints
-from drystone.base.display import OneLine, rounded_up
+from drystone.base.display import OneLine, named, rounded_up
 from drystone.base.errors import InputError, counted
 from drystone.base.settings import Options
+from drystone.results import Verdict
 from drystone.sequence.freedom import TOLERANCE, Freedom, Joints, free_twists, freedom
 from drystone.sequence.path_search import NoPath, PathFinder, PathOptions, RemovalPath
 from drystone.sequence.robots import Robot, check_robots, why_not
-from drystone.sequence.stages import StagedModel, mask_of, members
+from drystone.sequence.stages import StageAnswer, StagedModel, mask_of, members
 
 COURSE = re.compile(r"^(?:p\d+-)?[A-Za-z]+[-_]?(\d+)[-_.]")
 """Names such as ``c06-b03``, or ``p1-c06-b03`` in a shell of several patches, give the course."""
@@ -34,6 +36,12 @@ COUNTLESS = 10**9
 
 TOO_HEAVY = "too heavy"
 """How the reason begins for which hands or robots cannot lift a block."""
+
+NO_WAY = "without a way in"
+"""What is said of blocks whose reason is that others block every motion, or are there already."""
+
+WAITS = "waiting for them"
+"""How the reason begins for which a block has to wait for others that cannot be placed."""
 
 
 class Order(enum.Enum):
@@ -108,13 +116,15 @@ class BoundRules:
     after : per block the set of blocks that must be placed later
     rank : (n,) lower is removed earlier
     course : (n,) blocks of a lower course stay while one of a higher course can leave
-    hands
-        Hands or robots.
     lifters : (n,) hands that a block needs
     limit : (n,) [kg]
         Mass whose weight these hands can hold.
+    able : (r, n)
+        Whether each robot reaches and carries each block; without robots r = 0.
     core
-        Free blocks that can never be removed, and so never inserted, with reasons.
+        Free blocks that are in place before the plan begins.
+    impossible
+        Blocks that are never placed, with reasons.
     removal
         Which blocks the others in place let out.
     """
@@ -123,16 +133,56 @@ class BoundRules:
     after: tuple[int, ...]
     rank: Ints
     course: Floats
-    hands: int
     lifters: Ints
     limit: Floats
+    able: Bools
     core: int
-    reasons: Mapping[int, str]
+    impossible: Mapping[int, str]
     removal: RemovalTest
+
+    @property
+    def hands(self) -> int:
+        """Hands or robots."""
+        return len(self.able) or self.rules.hands
+
+    @property
+    def there(self) -> int:
+        """The blocks in place at the end of the plan, as bits."""
+        return self.removal.model.everything & ~mask_of(self.impossible)
 
     def can_leave(self, block: int, placed: int) -> bool:
         """Whether a block may, and can, be removed before the others in place."""
         return not self.after[block] & placed and self.removal.free(block, placed)
+
+    def can_hold(self, blocks: Sequence[int]) -> bool:
+        """Whether hands can take some blocks at once; a robot takes one."""
+        if not len(self.able):
+            return int(self.lifters[list(blocks)].sum()) <= self.hands
+        able = self.able[:, list(blocks)]
+        return bool(able[linear_sum_assignment(~able)].sum() == len(blocks))
+
+    def without_what_falls(self, answer: Callable[[int], StageAnswer]) -> BoundRules:
+        """Also without the blocks that fall where those that cannot be placed are absent.
+
+        Parameters
+        ----------
+        answer
+            Of the stage with these blocks in place, as bits.
+        """
+        impossible, model = dict(self.impossible), self.removal.model
+        left = self.there
+        while impossible and not (found := answer(left)).stands:
+            free = left & ~self.core
+            near = model.around(mask_of(impossible)) & free
+            wait = mask_of(found.falling) & free or near or free
+            if not wait:
+                break
+            falls = "would" if found.verdict is Verdict.UNSTABLE else "might"
+            why = f"{WAITS}: {falls} fall without blocks that cannot be placed"
+            impossible |= dict.fromkeys(members(wait), why)
+            impossible = _with_later(impossible, self)
+            left &= ~mask_of(impossible)
+        return replace(self, impossible=impossible)
 
 
 def bind(rules: Rules, model: StagedModel, removal: RemovalTest) -> BoundRules:
@@ -143,35 +193,40 @@ def bind(rules: Rules, model: StagedModel, removal: RemovalTest) -> BoundRules:
     InputError
         Unknown names, contradictory precedence.
     """
-    hands, lifters, limit = strength(rules, model)
+    lifters, limit, able = strength(rules, model)
     after = _after(rules, model)
-    core, reasons = _locked(rules, model, removal, after, lifters, hands)
+    core = mask_of(model.assembly.indices(list(rules.placed)).tolist()) & model.everything
     course = courses(model) if rules.order is Order.COURSE else np.zeros(len(model.assembly))
     rank = removal_rank(rules.order, model)
-    return BoundRules(rules, after, rank, course, hands, lifters, limit, core, reasons, removal)
+    bound = BoundRules(rules, after, rank, course, lifters, limit, able, core, {}, removal)
+    return replace(bound, impossible=_impossible(bound))
 
 
-def strength(rules: Rules, model: StagedModel) -> tuple[int, Ints, Floats]:
-    """Number of hands, hands needed per block (n,), and mass (n,) [kg] that these can hold."""
+def strength(rules: Rules, model: StagedModel) -> tuple[Ints, Floats, Bools]:
+    """Hands needed per block (n,), mass (n,) [kg] that these can hold, and what robots can do.
+
+    The last is (r, n): whether each robot reaches and carries each block.
+    """
     mass = model.assembly.mass
     robots = check_robots(rules.robots)
     if robots:
         able = np.array([robot.manages(model.assembly.centroid, mass) for robot in robots])
         strength = np.array([robot.payload for robot in robots])[:, None]
         best: Floats = np.where(able, strength, 0.0).max(axis=0)
-        return len(robots), np.where(able.any(axis=0), 1, COUNTLESS).astype(np.intp), best
+        return np.where(able.any(axis=0), 1, COUNTLESS).astype(np.intp), best, able
     with np.errstate(over="ignore"):  # a very small payload
         needed = np.ceil(mass / rules.payload * (1.0 - 1e-12))
     lifters = np.clip(needed, 1, COUNTLESS).astype(np.intp)
     limit: Floats = rules.payload * lifters.astype(np.float64)
-    return rules.hands, lifters, limit
+    return lifters, limit, np.zeros((0, len(mass)), dtype=bool)
 
 
 def too_heavy(rules: Rules, model: StagedModel, blocks: Sequence[int]) -> str:
     """What too heavy blocks weigh, and what would lift them; masses are rounded up."""
     mass = float(model.assembly.mass[list(blocks)].max())
     verb = "weighs" if len(blocks) == 1 else "weigh up to"
-    said = f"{counted(len(blocks), 'block')} {verb} {rounded_up(mass):g} kg"
+    names = named([model.assembly.names[block] for block in blocks])
+    said = f"{names} {verb} {rounded_up(mass):g} kg"
     if rules.robots:
         near = [
             robot.payload for robot in rules.robots for b in blocks
@@ -180,7 +235,7 @@ def too_heavy(rules: Rules, model: StagedModel, blocks: Sequence[int]) -> str:
         remedy = f"give a robot of {rounded_up(mass):g} kg that reaches them"
         return f"payload {max(near):g} kg: {said}; {remedy}"
     each = f"give a payload of {rounded_up(mass / rules.hands):g} kg"
-    needed = int(strength(rules, model)[1][list(blocks)].max())
+    needed = int(strength(rules, model)[0][list(blocks)].max())
     remedy = f"{each}, or {counted(needed, 'hand')}" if needed < COUNTLESS else each
     return f"payload {rules.payload:g} kg, {counted(rules.hands, 'hand')}: {said}; {remedy}"
 
@@ -275,41 +330,46 @@ def _after(rules: Rules, model: StagedModel) -> tuple[int, ...]:
     return tuple(after)
 
 
-def _locked(
-    rules: Rules,
-    model: StagedModel,
-    removal: RemovalTest,
-    after: Sequence[int],
-    lifters: Ints,
-    hands: int,
-) -> tuple[int, dict[int, str]]:
-    """The blocks that remain when all removable blocks are removed, without regard to stability.
+def _impossible(bound: BoundRules) -> dict[int, str]:
+    """The blocks that are never placed: nobody lifts them, they have no way in, or they wait.
 
+    What has no way in is what remains when all others are removed, without regard to stability.
     With fewer blocks in place fewer motions are blocked, so the order does not matter.
     """
-    placed = mask_of(model.assembly.indices(list(rules.placed)).tolist())
-    left = model.everything
-    waiting = left & ~placed
+    model, removal, out = bound.removal.model, bound.removal, dict[int, str]()
+    for block in members(model.everything & ~bound.core):
+        if bound.lifters[block] > bound.hands:
+            body, robots = model.assembly.blocks[block], bound.rules.robots
+            heavy = f"{TOO_HEAVY}: it needs {bound.lifters[block]} hands of this payload"
+            out[block] = why_not(robots, body.name, body.centroid, body.mass) if robots else heavy
+    out = _with_later(out, bound)
+    left = model.everything & ~mask_of(out)
+    waiting = left & ~bound.core
     while waiting:
         block = next(members(waiting))
         waiting &= ~(1 << block)
-        if lifters[block] > hands or after[block] & left or not removal.free(block, left):
+        if not bound.can_leave(block, left):
             continue
         left &= ~(1 << block)
-        waiting |= left & model.neighbours[block] & ~placed
-        waiting |= mask_of(b for b in members(left & ~placed) if after[b] >> block & 1)
-    reasons = {}
-    for block in members(left & ~placed):
-        if lifters[block] > hands and rules.robots:
-            body = model.assembly.blocks[block]
-            reasons[block] = why_not(rules.robots, body.name, body.centroid, body.mass)
-        elif lifters[block] > hands:
-            reasons[block] = f"{TOO_HEAVY}: it needs {lifters[block]} hands of this payload"
-        elif not removal.free(block, left):
-            reasons[block] = removal.reason(block, left)
-        else:
-            reasons[block] = "must be placed before blocks that are there already"
-    return left, reasons
+        waiting |= left & model.neighbours[block] & ~bound.core
+        waiting |= mask_of(b for b in members(left & ~bound.core) if bound.after[b] >> block & 1)
+    for block in members(left & ~bound.core):
+        there = "must be placed before blocks that are there already"
+        out[block] = there if removal.free(block, left) else removal.reason(block, left)
+    return _with_later(out, bound)
+
+
+def _with_later(impossible: Mapping[int, str], bound: BoundRules) -> dict[int, str]:
+    """Blocks that cannot be placed, with those that must come after one of them."""
+    out, names, known = dict(impossible), bound.removal.model.assembly.names, mask_of(impossible)
+    queue = list(out)
+    for first in queue:
+        later = list(members(bound.after[first] & ~known))
+        why = f"{WAITS}: to come after '{names[first]}', which cannot be placed"
+        out |= dict.fromkeys(later, why)
+        known |= bound.after[first]
+        queue += later
+    return out
 
 
 EFFORT = 1500

@@ -312,7 +312,7 @@ class StageTree:
         """Whether there are enough hands, and a path, for one more block of a group."""
         if not node.group or self.bound.core >> block & 1:
             return False
-        if int(self.bound.lifters[[*node.group, block]].sum()) > self.bound.hands:
+        if not self.bound.can_hold([*node.group, block]):
             return False
         if not self.bound.can_leave(block, node.placed):
             return False

@@ -81,14 +81,14 @@ def tray() -> Assembly:
     )
 
 
-def test_a_locked_key_is_impossible_and_what_lies_on_it_is_planned():
+def test_a_locked_key_is_impossible_and_what_lies_on_it_waits():
     assembly = tray()
     found = plan(Model.of(assembly))
-    assert found.counts["impossible"] == 1
+    assert found.counts["impossible"] == 2
     assert "block every motion" in found.impossible[3]
-    assert found.order == ("knob",)
-    assert "cannot be placed" in found.message
-    assert found.steps[0].answer.falling == (4,)  # without the key nothing carries it
+    assert found.impossible[4].startswith("waiting for them")  # without the key nothing carries it
+    assert found.order == ()
+    assert found.title == "2 blocks cannot be placed: 1 without a way in, 1 waiting for them"
     states = [stage.state[3] for stage in found.layers().stages]
     assert set(states) == {State.ABSENT}
     assert handling(found).placements == ()

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from drystone.answer import State
 from drystone.assembly import Assembly
 from drystone.detection import find_contacts
 from drystone.limits import LimitOptions, tilt_sweep
@@ -12,8 +13,8 @@ from drystone.results import Result
 from drystone.sequence import (
     Plan,
     PlanOptions,
-    Robot,
     Rules,
+    ScaffoldOptions,
     check_once,
     margins,
     plan,
@@ -59,18 +60,20 @@ def test_directions_are_searched_below_the_least_tilt_that_is_known() -> None:
 
 
 def test_a_stage_that_floats_stands_at_no_friction_and_no_tilt():
-    """The lowest free block is too heavy, so nothing carries the next one."""
-    base = box((1.0, 1.0, 1.0), (0.0, 0.0, 0.0), "base", 9000.0)
-    ground = box((3.0, 3.0, 1.0), (-1.0, -1.0, -1.0), "ground")
-    blocks = (ground, base, box((1.0, 1.0, 1.0), (0.0, 0.0, 1.0), "top"))
-    stacked = Assembly(blocks, np.arange(3) < 1)
-    found = margins(
-        plan(stacked, options=PlanOptions(rules=Rules(robots=[Robot("arm", payload=5000.0)])))
+    """The upper block is placed first, and no strut is long enough to carry it."""
+    first = PlanOptions(
+        rules=Rules(hands=1, before=[("block-2", "block-1")]),
+        scaffold="strut",
+        scaffold_options=ScaffoldOptions(longest=0.1),
     )
-    assert found.plan.order == ("top",)
-    assert (found.plan.counts["free"], found.plan.counts["unsure"]) == (0, 1)
-    assert [(one.least_friction, one.tilt) for one in found.stages] == [(np.inf, 0.0)]
+    found = margins(plan(tower(3), options=first))
+    assert found.plan.order == ("block-2", "block-1")
+    assert (found.plan.counts["free"], found.plan.counts["unsure"]) == (1, 1)
+    assert (found.stages[0].least_friction, found.stages[0].tilt) == (np.inf, 0.0)
     assert found.sentences()[-1].text == "a stage of this order stands at no friction"
+    shown = {layer.key for layer in found.plan.layers().stages[-1].layers}
+    assert "unsure" in shown
+    assert found.plan.layers().stages[0].state[2] == State.FALLING
 
 
 def test_the_table_has_a_row_per_block_with_its_margins(stack):

@@ -2,13 +2,15 @@
 
 import csv
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from drystone import InputError, Model, Structure, Verdict, plan
 from drystone.answer import Role
-from drystone.models import arch, bayonet, bridge, tower, wall
+from drystone.assembly import Assembly
+from drystone.models import arch, bayonet, bridge, corbelled_bridge, tower, wall
 from drystone.sequence import (
     PlanOptions,
     Robot,
@@ -23,6 +25,7 @@ from drystone.sequence.freedom import Joints
 from drystone.sequence.handling import grip_faces
 
 LEFT, RIGHT = Robot("left", (-2.0, 0.0, 0.0), 3.0), Robot("right", (2.0, 0.0, 0.0), 3.0)
+UNEQUAL = [Robot("a", (-3.0, 0.0, 0.0), 3.2), Robot("b", (3.0, 0.0, 0.0), 2.2)]
 
 
 def test_two_robots_place_blocks_in_turn():
@@ -68,6 +71,67 @@ def test_what_no_robot_can_place_carries_nothing_in_the_search():
     far = Rules(robots=(Robot("a", base=(-1, -1, 0), reach=3.0, payload=100.0),))
     found = plan(wall(), friction=0.6, options=PlanOptions(rules=far))
     assert (found.counts["free"], found.counts["unsure"]) == (22, 0)
+
+
+@pytest.mark.parametrize(
+    ("structure", "friction", "team", "missing", "waiting"),
+    [
+        # the ends are too heavy, and the key hangs between them
+        (corbelled_bridge(depth=0.2, height=0.3, tail=0.6, reach=0.35), 0.5,
+         [Robot("a", (-2.0, 0.0, 0.0), 3.0, 200.0), Robot("b", (2.0, 0.0, 0.0), 3.0, 200.0)],
+         2, {"key"}),
+        # a ring that never closes: its lower voussoirs stand alone
+        (arch(), 0.5, UNEQUAL,
+         12, {f"voussoir-{i:02d}" for i in range(6, 18)}),
+        (arch(voussoirs=4), 0.6, UNEQUAL, 1, {"voussoir-00", "voussoir-01", "voussoir-03"}),
+    ],
+)  # fmt: skip
+def test_what_waits_for_a_block_that_nobody_places_is_not_placed_in_the_air(
+    structure: Assembly, friction: float, team: list[Robot], missing: int, waiting: set[str]
+) -> None:
+    found = plan(structure, friction=friction, options=PlanOptions(rules=Rules(robots=team)))
+    names = structure.names
+    why = {names[b]: one for b, one in found.impossible.items()}
+    assert {name for name, one in why.items() if one.startswith("waiting for them")} == waiting
+    assert len(why) == missing + len(waiting)
+    assert {*found.order} == {names[b] for b in structure.free} - {*why}
+    assert all(step.answer.stands for step in found.steps)
+    assert not found.counts["unsure"]
+    assert not found.props
+    assert all(row for row in found.table()["robot"])
+    first, *others = found.sentences()
+    assert first.role is Role.BAD
+    assert not any("every stage stands" in one.text for one in others)
+    last = found.layers().stages[-1]
+    assert last.headline == found.title
+    assert "left-out" in {layer.key for layer in last.layers}
+
+
+def test_the_note_of_what_is_out_of_reach_tells_the_farthest() -> None:
+    arm = Robot("arm", reach=1.6)
+    found = plan(tower(4), options=PlanOptions(rules=Rules(robots=[arm])))
+    away = float(arm.distance(found.model.assembly.centroid[3])) - 1.6
+    assert f"'block-3' is {away:.3g} m too far for 'arm'" in found.notes[0]
+
+
+def test_what_comes_after_a_block_that_nobody_places_is_not_placed() -> None:
+    lower = Robot("low", reach=3.0)
+    rules = Rules(robots=[lower], before=[("block-3", "block-1")])
+    found = plan(tower(4), options=PlanOptions(rules=rules))
+    assert found.impossible[1].startswith("waiting for them: to come after 'block-3'")
+    assert found.order == ()
+
+
+def test_each_block_of_a_step_has_a_robot_of_its_own() -> None:
+    """Two stones that hold each other, and a second robot that reaches neither."""
+    near, far = Robot("a", (-1.0, 0.0, 0.0), 5.0), Robot("b", (9.0, 0.0, 0.0), 2.2)
+    both = replace(far, base=(1.0, 0.0, 0.0), reach=5.0)
+    for second, held in ((both, 2), (far, 0)):
+        team = [near, second]
+        chosen = PlanOptions(rules=Rules(robots=team))
+        found = plan(arch(0.25, 2), friction=0.7, options=chosen)
+        assert found.counts["held"] == held
+        assert without_robot(found, team) == []
 
 
 def test_the_table_of_a_plan_names_the_robot_of_each_block():
