@@ -27,6 +27,7 @@ from drystone.base.table import Table
 from drystone.base.units import quantity
 from drystone.checks import block_speed, check_forces, corner_motion
 from drystone.contacts import Contacts
+from drystone.geometry.frames import rotations
 from drystone.io.opening import Given, How, as_model
 from drystone.loads import LoadCase
 from drystone.mechanics.statics import build_statics
@@ -249,10 +250,28 @@ class SupportResponse(Answer):
             return self.layers()
         factor = enlargement(self.assembly, motion)
         message = f"{self.result.message}; the motion is drawn {factor:.3g} times as large"
-        state = state_of(self.assembly)
-        stage = SceneStage("after", self.title, message, state, self.result.verdict)
+        stage = SceneStage(
+            "after", self.title, message, state_of(self.assembly), self.result.verdict,
+            layers=self._hinges(factor * motion, factor),
+        )  # fmt: skip
         moved, title = self.assembly.moved(factor * motion), f"drystone: {self.title.lower()}"
-        return Scene(moved, Contacts.empty(), (stage,), title, self._facts())
+        facts = self._facts()
+        return Scene(moved, Contacts.empty(), (stage,), title, facts, preset="solid")
+
+    def _hinges(self, motion: Floats, factor: float) -> tuple[Layer, ...]:
+        """Marks on the moved blocks where joints that open stay closed."""
+        contacts, corners = self.contacts, self.contacts.corners
+        closed = self.opening <= self._OPENS * self.size
+        joint = np.intersect1d(self.open_joints(), np.flatnonzero(corners.any(closed)))
+        if len(joint) == 0:
+            return ()
+        block = contacts.block_b[contacts.interface]
+        centre, move = self.assembly.centroid[block], motion[block]
+        arm = rotations(move[:, 3:]) @ (contacts.point - centre)[:, :, None]
+        point = np.where(closed[:, None], centre + move[:, :3] + arm[:, :, 0], 0.0)
+        at = corners.sum(point)[joint] / corners.sum(closed)[joint, None]
+        label = f"turns about an edge; the motion is drawn {factor:.3g} times as large"
+        return (Layer("hinges", label, LayerKind.MARKERS, "hinge", at),)
 
     def _facts(self) -> dict[str, str]:
         names = ", ".join(self.assembly.names[i] for i in self._moved)

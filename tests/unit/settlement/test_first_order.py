@@ -24,6 +24,7 @@ from drystone.settlement import (
     support_forces,
     support_response,
 )
+from drystone.view.palette import first_preset, is_shown
 from drystone.virtual import to_edge
 from tests.oracle import touching_faces
 
@@ -175,6 +176,19 @@ def test_a_settlement_is_drawn_with_its_joints_open() -> None:
     assert fall[1] == pytest.approx(-0.3 * np.median(beam().size))
     assert fall[[0, 2]] == pytest.approx([0.0, 0.0])
     assert fall[3] == pytest.approx(0.0, abs=1e-2 * abs(fall[1]))
+
+
+def test_hinges_of_a_settlement_are_marked_on_the_moved_blocks() -> None:
+    ring = arch()
+    answer = settled(ring, ring.names[-1], (0.03, 0.0, 0.0))
+    scene = answer.figure()
+    (marks,) = scene.stages[0].layers
+    assert len(marks.position) == len(answer.open_joints()) == 3
+    assert "the motion is drawn" in marks.label
+    assert is_shown(marks, first_preset(scene))
+    corners = np.concatenate([block.vertices for block in scene.assembly.blocks])
+    edge = np.linalg.norm((corners - marks.position[:, None])[:, :, [0, 2]], axis=2).min(axis=1)
+    assert edge.max() < 1e-3 * answer.size
 
 
 @pytest.mark.parametrize("kind", ["tension", "compression"])
