@@ -196,7 +196,7 @@ def mended_block(
         Loops of vertex indices.
     name
     density : [kg/m3]
-    merge
+    merge : >= 0, <= 0.01
         Distance relative to the size of the block.
 
     Returns
@@ -227,8 +227,6 @@ def mended_blocks(
     faces: Sequence[Sequence[int]],
     name: str = "block",
     density: float = DEFAULT_DENSITY,
-    *,
-    merge: float = SAME,
 ) -> tuple[Block, ...]:
     """The blocks that a broken mesh stands for; more is mended than by :func:`mended_block`.
 
@@ -239,7 +237,7 @@ def mended_blocks(
 
     Parameters
     ----------
-    vertices, faces, name, density, merge
+    vertices, faces, name, density
         As for :func:`mended_block`.
 
     Returns
@@ -261,9 +259,9 @@ def mended_blocks(
     ('1 plane hole closed', 'volume 1 m3, 0.833333 m3 before')
     """
     try:
-        return _mended(vertices, faces, name, density, merge, sided=True)
+        return _mended(vertices, faces, name, density, sided=True)
     except InputError:  # a wall between two bodies has two faces, and so has a sheet drawn twice
-        return _mended(vertices, faces, name, density, merge, sided=False)
+        return _mended(vertices, faces, name, density, sided=False)
 
 
 def _mended(
@@ -271,12 +269,11 @@ def _mended(
     faces: Sequence[Sequence[int]],
     name: str,
     density: float,
-    merge: float,
     *,
     sided: bool,
 ) -> tuple[Block, ...]:
     """See :func:`mended_blocks`; with ``sided``, faces may coincide with opposite orientations."""
-    points, loops, notes = _welded(vertices, faces, name, merge, sided=sided)
+    points, loops, notes = _welded(vertices, faces, name, SAME, sided=sided)
     used = points[sorted({i for loop in loops for i in loop})]
     size = float(np.linalg.norm(np.ptp(used, axis=0))) if len(used) else 0.0
 
@@ -301,7 +298,7 @@ def _mended(
         raise InputError(
             f"it stays open at {counted(len(open_edges), 'edge')}", where=f"block '{name}'"
         )
-    points, loops, parted = pulled_apart(points, loops, merge * size)
+    points, loops, parted = pulled_apart(points, loops, SAME * size)
     done(parted, "vertex", "vertices", "at which it touched itself parted")
     parts, shells = separate_parts(points, loops)
     if sided and shells:
@@ -311,7 +308,7 @@ def _mended(
     for number, part in enumerate(parts):
         own = name if len(parts) == 1 else f"{name}-{number}"
         block = Block(points, tuple(part), own, density)
-        if block.volume <= _THIN * merge * size**3:
+        if block.volume <= _THIN * SAME * size**3:
             raise InputError("a part of it has no volume", where=f"block '{own}'")
         made.append(Block(block.vertices, block.faces, own, density))
     if len(parts) > 1:
@@ -332,8 +329,6 @@ def _welded(
     sided: bool = False,
 ) -> tuple[Floats, list[Loop], list[str]]:
     """Points, faces with coincident vertices merged and each once, and notes."""
-    if not 0.0 <= merge <= 0.01:
-        raise InputError(f"merge is {merge}", remedy="give a share of the block size up to 0.01")
     points = frozen_points(vertices, (None, 3), "vertices")
     given = [tuple(int(i) for i in face) for face in faces]
     for number, face in enumerate(given):

@@ -259,6 +259,9 @@ NEEDED: dict[str, dict[str, object]] = {
     "Earth": {"side": "x", "weight": 18e3, "k": 0.3},
     "Fill": {"cover": 0.3, "weight": 2e4},
     "Train": {"name": "cart", "places": (0.0,), "loads": (1e3,)},
+    "Robot": {"name": "arm"},
+    **{one: {"block": "slab"} for one in ("ScaffoldItem", "Strut", "Rope", "Clamp")},
+    "Centring": {"block": "slab", "face": np.eye(3)},
 }
 """What has no default."""
 

@@ -134,13 +134,18 @@ def hints_of(function: Any) -> dict[str, Any]:
 def documented(of: Any) -> dict[str, dict[str, Any]]:
     """Of each attribute or parameter the text, the unit and the ends of its range.
 
+    Those of a class are known by what is made of it.
+
     Examples
     --------
     >>> from drystone.limits import LimitOptions
     >>> documented(LimitOptions)["width"]["ends"]
     {'>': 0.0, '<': inf}
     """
-    return dict(_entries(inspect.getdoc(of) or ""))
+    known: dict[str, dict[str, Any]] = {}
+    for one in reversed(of.__mro__) if isinstance(of, type) else (of,):
+        known |= dict(_entries(inspect.getdoc(one) or ""))
+    return known
 
 
 def beyond(value: float | np.number[Any], ends: Mapping[str, float]) -> str:

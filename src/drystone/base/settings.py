@@ -58,7 +58,7 @@ class Options(OneLine):
 
 def _of_kind(value: Any, hint: Any) -> Any:
     """A number, tuple or member of an enumeration as the annotation has it; others as they are."""
-    kinds = kinds_of(hint)
+    kinds = kinds_of(hint) or [hint]
     kind: Any = get_origin(kinds[0]) or kinds[0]
     made = isinstance(kind, type) and issubclass(kind, int | float | tuple | enum.Enum)
     return kind(value) if made and len(kinds) == 1 and value is not None else value

@@ -73,14 +73,11 @@ class Pull(OneLine):
         Sum over its corners.
     point : (3,) [m]
         Where it acts.
-    stress : [Pa]
-        Force by area.
     """
 
     interface: int
     force: float
     point: Floats
-    stress: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -248,9 +245,7 @@ def pulls_of(contacts: Contacts, tension: Floats | None, interfaces: Ints) -> tu
             break
         corners = slice(contacts.start[i], contacts.start[i + 1])
         point = tension[corners] @ contacts.point[corners] / total[i]
-        area = float(contacts.area[i])
-        stress = float(total[i]) / area if area > 0.0 else np.inf
-        pulls.append(Pull(int(interfaces[i]), float(total[i]), frozen(point), stress))
+        pulls.append(Pull(int(interfaces[i]), float(total[i]), frozen(point)))
     return tuple(pulls)
 
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from drystone.base.arrays import Floats
 from drystone.base.display import OneLine, named
-from drystone.base.errors import InputError
+from drystone.base.errors import located
 from drystone.base.settings import Options
 from drystone.base.units import UNITS, measured
 
@@ -49,27 +49,27 @@ class DetectionOptions(Options):
 
     Parameters
     ----------
-    gap
+    gap : >= 0, <= 0.5
         Faces touch up to this distance or this overlap. For faces that are warped or approximate a
         curve, their deviation from the plane is added. The default lies on a plateau: in the models
         on which it was chosen, the number of interfaces is the same from 1e-5 to 0.02 (see
         :func:`drystone.detection.gap_sweep`).
-    angle : [deg]
+    angle : [deg] >= 0, <= 45
         Largest angle between two faces that touch. The angles due to warp and curvature are added.
-    warp
+    warp : >= 0, <= 0.5
         Faces that deviate from a plane by more than this share of the block size have no contacts.
-    sliver
+    sliver : >= 0, <= 0.5
         Overlaps narrower than this (twice the area over the perimeter) are dropped.
-    curve : [deg]
+    curve : [deg] >= 0, <= 45
         Facets of curved joints are one plane interface where their normals are within this angle
         of their mean; with zero every facet is an interface. Curved joints with up to 1,000 corners
         in all keep their facets. Slivers always go into their neighbours: they occur where the two
         sides of a joint are meshed differently.
-    search
+    search : >= 0, <= 0.5
         Pairs up to this distance are reported as near misses, with the gap that would join them.
     edges
         When to search for contacts along edges and at corners.
-    gap_length : [m]
+    gap_length : [m] >= 0, < inf
         Replaces ``gap``; up to half the size of the smaller block.
     inexact
         Whether to join what small errors of the drawing keep apart: overlaps up to 8 % of the
@@ -92,16 +92,6 @@ class DetectionOptions(Options):
     inexact: bool = True
     gap_length: float | None = None
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        for name, largest in LARGEST.items():
-            value = getattr(self, name)
-            if not 0.0 <= value <= largest:
-                or_length = ", or a length such as 5mm" if name == "gap" else ""
-                raise InputError(f"{name} is {value}", remedy=f"give 0 to {largest:g}{or_length}")
-        if self.gap_length is not None and not 0.0 <= self.gap_length < float("inf"):
-            raise InputError(f"gap is {self.gap_length} m", remedy="give a length above zero")
-
     def with_gap(self, gap: float | str) -> DetectionOptions:
         """The same with another gap: a share such as 0.005 or ``0.5%``, or a length as ``2mm``.
 
@@ -117,9 +107,10 @@ class DetectionOptions(Options):
         """
         text = str(gap).strip()
         value = measured(text.removesuffix("%"), UNITS, 1.0, "gap")
-        if text.endswith("%"):
-            return replace(self, gap=value / 100.0)
-        return replace(self, gap_length=value) if text[-1].isalpha() else replace(self, gap=value)
+        if text[-1].isalpha():
+            return replace(self, gap_length=value)
+        with located("", f"give a share up to {LARGEST['gap']:g}, or a length such as 5mm"):
+            return replace(self, gap=value / 100.0 if text.endswith("%") else value)
 
     def reach(self, size: Floats) -> Floats:
         """Largest gap [m] of blocks of a size [m], of any shape."""

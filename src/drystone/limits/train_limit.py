@@ -322,12 +322,9 @@ class TrainEnvelope(Answer):
 
     def numbers(self) -> Mapping[str, Any]:
         """Places, factors, the worst one, the train and the fill."""
-        train, fill = self.train, self.fill
         return {
-            "train": {"name": train.name, "places": train.places, "loads": train.loads,
-                      "contact": train.contact, "across": train.across, "line": train.line,
-                      "lane": train.lane, "clear": train.clear, "source": train.source},
-            "fill": fill,
+            "train": self.train,
+            "fill": self.fill,
             "places": self.places,
             "factors": self.factors,
             "carries": self.carries,
@@ -336,7 +333,7 @@ class TrainEnvelope(Answer):
             "proven": bool(len(self.places)) and self.proven,
             "limit": None if self.limit is None else self.limit.numbers(),
             "stopped": self.stopped,
-        }  # fmt: skip
+        }
 
     def layers(self) -> Scene:
         """The worst place, then the others, each with its forces and its mechanism.

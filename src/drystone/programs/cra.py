@@ -151,8 +151,8 @@ def _with_equal_overlaps(problem: Problem, slip: float, clock: Clock) -> Result 
     if problem.ground_share(start.ground).max() > HANGS or clock.late():
         return None
     path = equal_overlap(problem.statics, start, slip, stop=clock.late)
-    model, force = problem.model, problem.force(path.state.force)
-    displacement = problem.displacement(path.state.motion)
+    model, force = problem.model, problem.force(path.force)
+    displacement = problem.displacement(path.motion)
     residuals = check_forces(model, force, displacement)
     moved = corner_motion(model.assembly, model.contacts, displacement)
     overlap = -moved[:, 0]
@@ -173,26 +173,11 @@ def _with_equal_overlaps(problem: Problem, slip: float, clock: Clock) -> Result 
     )
 
 
+_POINTS = 60
+"""Largest number of points of the path."""
+
 SPRING_LEFT = 1e-7
 """1 - theta at the end of the path: relative difference of overlaps, a tenth of the tolerance."""
-
-
-@dataclass(frozen=True, eq=False)
-class EqualOverlap:
-    """End of the path.
-
-    Attributes
-    ----------
-    state
-        Motions in units of the overlap eps.
-    reached
-        Whether the path reached its end.
-    iterations
-    """
-
-    state: RestState
-    reached: bool
-    iterations: int
 
 
 def equal_overlap(
@@ -200,10 +185,9 @@ def equal_overlap(
     start: RestState,
     slip: float,
     *,
-    stop: Callable[[], bool] | None = None,
-    step_limit: int = 60,
-) -> EqualOverlap:
-    """Follow the overlaps of a rest state until they are equal.
+    stop: Callable[[], bool],
+) -> RestState:
+    """Follow the overlaps of a rest state until they are equal, or as far as they can be followed.
 
     Parameters
     ----------
@@ -213,14 +197,17 @@ def equal_overlap(
     slip
         Slip length of the friction law, relative to the local overlap.
     stop
-    step_limit
-        Largest number of points of the path.
+
+    Returns
+    -------
+    RestState
+        Its motions are in units of the overlap eps.
     """
     gap = statics.displacement(start.motion)[:, 0]
     total = float(start.force[:, 0].sum())
     mean = float(-(start.force[:, 0] * gap).sum()) / total if total > 0.0 else 1.0
     if not mean > 0.0:
-        return EqualOverlap(start, False, 0)
+        return replace(start, iterations=0)
     spring = mean * statics.normal_stiffness
     reach = SlipLength(FrictionBound(statics.friction), slip * statics.corner_load / spring)
     # near the end of the path Newton's method on the unrelaxed law needs a point near the state
@@ -229,7 +216,7 @@ def equal_overlap(
     )
     state = replace(start, motion=start.motion / mean)
     left, factor, iterations = 1.0, 0.3, 0
-    for _ in range(step_limit):
+    for _ in range(_POINTS):
         aim = max(left * factor, SPRING_LEFT)
         law = Compliance(spring / aim, reach, overlap=1.0 - aim)
         trial = find_rest(statics, law, options, start=state, stop=stop)
@@ -241,11 +228,10 @@ def equal_overlap(
                 break
         else:
             factor = np.sqrt(factor)
-        if factor > 0.97 or (stop is not None and stop()):
+        if factor > 0.97 or stop():
             break
     if left > SPRING_LEFT:
-        return EqualOverlap(state, False, iterations)
+        return replace(state, iterations=iterations)
     free = replace(options, ground=1e-16, tolerance=1e-10, iteration_limit=30, warm_relaxation=1e-8)
     final = find_rest(statics, law, free, start=state, stop=stop)
-    iterations += final.iterations
-    return EqualOverlap(final, final.converged, iterations)
+    return replace(final, iterations=iterations + final.iterations)

@@ -300,7 +300,7 @@ def _answer(model: Model, chosen: RBEOptions, clock: Clock) -> Result:
         force=force,
         tension=tension,
         mechanism=mechanism,
-        falling=() if mechanism is None else moving_blocks(problem.model.assembly, mechanism),
+        falling=moving_blocks(problem.model.assembly, mechanism),
         residuals=residuals,
         stopped=clock.reason,
         options=chosen,
@@ -326,9 +326,7 @@ def _within_strength(problem: Problem, options: RBEOptions, clock: Clock) -> Res
         message=message,
         force=found.force,
         mechanism=found.mechanism,
-        falling=()
-        if found.mechanism is None
-        else moving_blocks(problem.model.assembly, found.mechanism),
+        falling=moving_blocks(problem.model.assembly, found.mechanism),
         residuals=None if found.force is None else found.residuals,
         stopped=clock.reason,
         options=options,
@@ -363,7 +361,7 @@ def _nearest(problem: Problem, options: RBEOptions, clock: Clock) -> Result | No
         message=UNBALANCED if falls else BALANCED,
         force=force,
         mechanism=mechanism,
-        falling=() if mechanism is None else moving_blocks(problem.model.assembly, mechanism),
+        falling=moving_blocks(problem.model.assembly, mechanism),
         residuals=residuals,
         options=options,
         solver=NEAREST,

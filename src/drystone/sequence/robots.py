@@ -7,16 +7,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drystone.base.arrays import Bools, Floats, frozen_floats, number
-from drystone.base.display import OneLine
+from drystone.base.arrays import Bools, Floats, frozen_floats
 from drystone.base.errors import InputError
+from drystone.base.settings import Options
 
 FAR = "out of reach"
 """How the reason begins where no robot reaches a block."""
 
 
 @dataclass(frozen=True)
-class Robot(OneLine):
+class Robot(Options):
     """A robot arm that places blocks and may hold one.
 
     Attributes
@@ -24,9 +24,9 @@ class Robot(OneLine):
     name
     base : (3,) [m]
         Position of its first axis.
-    reach : [m]
+    reach : [m] > 0
         Farthest distance from the base at which it can hold the centroid of a block.
-    payload : [kg]
+    payload : [kg] > 0
         Heaviest block that it carries. The holding force is limited to the weight of this mass.
     """
 
@@ -36,13 +36,10 @@ class Robot(OneLine):
     payload: float = float("inf")
 
     def __post_init__(self) -> None:
-        where = f"robot '{self.name}'"
-        if not isinstance(self.name, str) or not self.name:
+        super().__post_init__()
+        if not self.name:
             raise InputError("a robot needs a name", remedy="give a non-empty string")
-        base = frozen_floats(self.base, (3,), f"{where}: its base")
-        for word, value in (("reach", self.reach), ("payload", self.payload)):
-            if not number(value, f"{where}: its {word}", finite=False) > 0.0:
-                raise InputError(f"its {word} is {value}", where=where, remedy="give more than 0")
+        base = frozen_floats(self.base, (3,), f"robot '{self.name}': its base")
         object.__setattr__(self, "base", tuple(base.tolist()))
 
     def distance(self, points: Floats) -> Floats:

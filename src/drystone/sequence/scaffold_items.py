@@ -20,9 +20,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drystone.assembly import Assembly, Block
-from drystone.base.arrays import Floats, frozen_floats, number
+from drystone.base.arrays import Floats, frozen_floats
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
+from drystone.base.settings import Options
 from drystone.contacts import Contacts, joined_contacts
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.polygon import area_vector
@@ -54,14 +55,14 @@ class _Joint(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class ScaffoldItem(OneLine):
+class ScaffoldItem(Options):
     """What holds one block.
 
     Parameters
     ----------
     block
         Position or name of the block.
-    limit : [N]
+    limit : [N] > 0
         Largest force of the whole item; infinite when left out.
 
     Raises
@@ -72,15 +73,6 @@ class ScaffoldItem(OneLine):
 
     block: int | str
     limit: float = float("inf")
-
-    def __post_init__(self) -> None:
-        self._require_positive("limit", self.limit, "newtons")
-
-    def _require_positive(self, what: str, value: Any, unit: str) -> None:
-        if not number(value, f"{self._place()}: its {what}", finite=False) > 0.0:
-            raise InputError(
-                f"its {what} is {value}", where=self._place(), remedy=f"give {unit} above zero"
-            )
 
     def _points(self, *names: str) -> None:
         """Take the fields of these names as points (3,)."""
@@ -173,15 +165,11 @@ class Clamp(ScaffoldItem):
 
     Attributes
     ----------
-    moment : [N m]
+    moment : [N m] > 0
         Largest moment about the centroid.
     """
 
     moment: float = float("inf")
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        self._require_positive("moment", self.moment, "newton metres")
 
     def joint(self, body: Block) -> _Joint:
         """Four corners about the centroid, which pull too."""

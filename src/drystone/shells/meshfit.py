@@ -296,16 +296,14 @@ class MeshFit(OneLine):
     Attributes
     ----------
     patch
-    deviation_max, deviation_rms : [m]
-        Distance of the mesh from the patch, at its vertices and the middles of its edges and faces.
-    deviation_vertices : [m] largest distance of a vertex
+    deviation_max : [m]
+        Largest distance of the mesh from the patch, at its vertices and the middles of its edges
+        and faces.
     corners : (4, 3) [m] bottom left, bottom right, top right, top left
     """
 
     patch: Patch
     deviation_max: float
-    deviation_rms: float
-    deviation_vertices: float
     corners: Floats
 
 
@@ -360,8 +358,7 @@ def patch_from_mesh(
     at = np.column_stack([u, v, points])
     ends = edges_of([tuple(loop) for loop in loops])
     middles = np.array([at[loop].mean(axis=0) for loop in loops])
-    distance = distances(patch, np.concatenate([at, at[ends].mean(axis=1), middles]))
-    farthest = float(distance.max())
+    farthest = float(distances(patch, np.concatenate([at, at[ends].mean(axis=1), middles])).max())
     size = float(np.linalg.norm(np.ptp(points, axis=0)))
     if not farthest <= _FARTHEST_FIT * size:
         raise InputError(
@@ -372,13 +369,7 @@ def patch_from_mesh(
         )
     with located(f"mesh '{name}'", _REMEDY):
         check_patch(patch)
-    return MeshFit(
-        patch,
-        farthest,
-        float(np.sqrt((distance**2).mean())),
-        float(distance[: len(points)].max()),
-        points[chosen],
-    )
+    return MeshFit(patch, farthest, points[chosen])
 
 
 def _sharpest(points: Floats, loops: list[list[int]], border: list[int], name: str) -> list[int]:

@@ -60,8 +60,10 @@ def balanced(problem: Problem, force: Floats) -> bool:
     return max(found.equilibrium, found.tension, found.cone) <= FORCE_TOLERANCE
 
 
-def moving_blocks(assembly: Assembly, mechanism: Floats) -> tuple[int, ...]:
-    """Positions of the blocks that take part in a mechanism (n, 6)."""
+def moving_blocks(assembly: Assembly, mechanism: Floats | None) -> tuple[int, ...]:
+    """Positions of the blocks that take part in a mechanism (n, 6), if there is one."""
+    if mechanism is None:
+        return ()
     speed = block_speed(assembly, mechanism)
     return tuple(int(i) for i in np.flatnonzero(speed > FALLING_SHARE * speed.max(initial=0.0)))
 
@@ -70,8 +72,7 @@ def part_of_fall(found: Result) -> Bools:
     """The blocks (n,) that fall or take part in the motion that proves it."""
     moving = np.zeros(len(found.assembly), dtype=bool)
     moving[list(found.falling)] = True
-    if found.mechanism is not None:
-        moving[list(moving_blocks(found.assembly, found.mechanism))] = True
+    moving[list(moving_blocks(found.assembly, found.mechanism))] = True
     return moving
 
 

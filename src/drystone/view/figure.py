@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Collection
 from dataclasses import replace
 from functools import partial
-from math import inf
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -89,7 +88,7 @@ def save_figure(
         From the model to the eye; any length.
     size : (2,) [inches]
         In a small figure what was asked, then the legend too, are left out.
-    dpi
+    dpi : > 0, < inf
         Pixels per inch of a PNG.
     preset
         A picture by name: ``forces``, ``solid``, ``contacts``, ``utilisation`` or ``stages``; left
@@ -97,8 +96,8 @@ def save_figure(
     layers
         Keys of the layers to show instead, such as "interfaces", "joint-force", "network",
         "resultants".
-    opacity
-        Of the blocks, above 0 up to 1; left out, that of the preset, and 1 where layers were
+    opacity : > 0, <= 1
+        Of the blocks; left out, that of the preset, and 1 where layers were
         chosen.
     arrow_scale
         Makes arrows longer (above 1) or shorter.
@@ -107,7 +106,7 @@ def save_figure(
         structure, else the first.
     names
         Write the names of the blocks on them. Numbers are written by the preset ``stages``.
-    explode
+    explode : >= 0, < inf
         How far the blocks are taken apart: 0 not at all, 1 each as far again as it is from the foot
         of the model.
     section
@@ -140,10 +139,8 @@ def save_figure(
     True
     """
     width, height = frozen_floats(size, (2,), "size")
-    if not (width > 0.0 and height > 0.0 and 0.0 < dpi < inf):
-        raise InputError("size and dpi must be above zero")
-    if not 0.0 <= explode < inf:
-        raise InputError(f"explode is {explode}", remedy="give zero or more, such as 0.5")
+    if not (width > 0.0 and height > 0.0):
+        raise InputError("a side of size is not above zero", remedy="give inches, such as 9, 6.5")
     if not (ax is None or hasattr(ax, "get_window_extent")):
         raise InputError(f"ax is {quoted(ax)}", remedy="give axes of matplotlib")
     if isinstance(subject, Answer):
@@ -192,7 +189,7 @@ def draw(
     from matplotlib.figure import Figure  # heavy, and only figures need it
 
     stage = scene.still if stage is None else stage
-    _require(scene, stage, preset, opacity)
+    _require(scene, stage, preset)
     shown = scene.stages[stage]
     key = preset if preset is not None else first_preset(scene, stage)
     chosen = _chosen(shown, layers, key)
@@ -235,14 +232,12 @@ def draw(
     return figure
 
 
-def _require(scene: Scene, stage: int, preset: str | None, opacity: float | None) -> None:
-    """Refuse a stage or a preset that does not exist, and an opacity that is none."""
+def _require(scene: Scene, stage: int, preset: str | None) -> None:
+    """Refuse a stage or a preset that does not exist."""
     if not -len(scene.stages) <= stage < len(scene.stages):
         raise InputError(f"there is no stage {stage}", remedy=f"{len(scene.stages)} exist")
     if preset is not None and preset not in PRESETS:
         raise InputError(f"there is no preset '{preset}'", remedy=f"there are {', '.join(PRESETS)}")
-    if opacity is not None and not 0.0 < opacity <= 1.0:
-        raise InputError(f"opacity is {opacity}", remedy="give a share above 0, up to 1")
 
 
 def _chosen(stage: SceneStage, layers: Collection[str] | None, preset: str) -> list[Layer]:

@@ -403,9 +403,9 @@ def test_angle_and_edges_of_the_search_are_options(tmp_path: Path, capsys: Capsy
     assert code in (0, 1)
     for command in ("settle", "plan"):
         assert main([command, model, "--angle", "90"]) == 2
-        assert "give 0 to 45" in capsys.readouterr().err
+        assert "give 0 or more, up to 45" in capsys.readouterr().err
     for wrong, remedy in (
-        (("--angle", "90"), "give 0 to 45"),
+        (("--angle", "90"), "give 0 or more, up to 45"),
         (("--gap", "5"), "or a length such as 5mm"),
         (("--edges", "x"), "always"),
     ):

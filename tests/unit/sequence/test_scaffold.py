@@ -308,10 +308,13 @@ def test_a_stage_on_struts_is_checked_with_other_stiffnesses_as_one_with_ideal_p
 @pytest.mark.parametrize(
     ("make", "words"),
     [
-        (lambda: Strut("slab", -1.0, head=END, foot=(2.4, 0.5, 0.0)), "its limit is -1.0"),
-        (lambda: Strut("slab", "5kN", head=END, foot=(2.4, 0.5, 0.0)), "its limit"),
+        (
+            lambda: Strut("slab", -1.0, head=END, foot=(2.4, 0.5, 0.0)),
+            "limit is -1; give a number above zero",
+        ),
+        (lambda: Strut("slab", "5kN", head=END, foot=(2.4, 0.5, 0.0)), "limit is '5kN'"),
         (lambda: Strut("slab", head=END, foot=END), "it has no length"),
-        (lambda: Strut("slab", head="top", foot=(2.4, 0.5, 0.0)), "its head"),
+        (lambda: Strut("slab", head="top", foot=(2.4, 0.5, 0.0)), "head is 'top'"),
         (lambda: Strut("slab", head=(2.0, 0.5, 1.1), foot=(2.0, 0.5, 0.0)), "0.1 m away"),
         (
             lambda: Centring("slab", face=np.array([END, (2.0, 0.0, 0.0), (2.0, 1.0, 1.0)])),
@@ -320,8 +323,8 @@ def test_a_stage_on_struts_is_checked_with_other_stiffnesses_as_one_with_ideal_p
         (lambda: Strut("slab", head=(50.0, 0.0, 1.0), foot=(50.0, 0.0, 0.0)), "47.6 m away"),
         (lambda: Strut("slab", head=END, foot=(2.4, 0.5, 0.0), on="slab"), "stands on the block"),
         (lambda: Rope("nothing", at=END, anchor=(0, 0, 9)), "nothing"),
-        (lambda: Clamp("slab", moment=-3.0), "its moment is -3.0"),
-        (lambda: Clamp("slab", moment=float("nan")), "its moment is nan"),
+        (lambda: Clamp("slab", moment=-3.0), "moment is -3; give a number above zero"),
+        (lambda: Clamp("slab", moment=float("nan")), "moment is nan"),
         (lambda: Centring("slab"), "its face"),
         (lambda: "a stick", "give a list of items"),
     ],
