@@ -347,6 +347,10 @@ def test_a_limit_says_that_it_needs_corners_and_with_every_stiffness_from_where_
     assert plain.best.stands == pytest.approx(corners / spread, rel=1e-3)
     assert any("needs its corners: it turns with 18" in one and "--robust" in one for one in said)
     assert "first motion: turns on a joint" in said
+    standing_there = plain.best.standing
+    assert standing_there is not None
+    assert standing_there.sensitive_to == (Sensitivity.PRESSURE,)
+    assert "spread over" not in standing_there.message  # which takes longer and changes no limit
     robust = limits.limit_load(model, torque, upper=10.0, options=limits.LimitOptions(robust=True))
     assert robust.robust is not None
     assert robust.robust.stands == pytest.approx(1.0, abs=0.01)

@@ -9,6 +9,7 @@ The checks of one value of a limit: from fast to complete.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -19,7 +20,7 @@ import numpy as np
 from drystone.assembly import Assembly
 from drystone.base.arrays import Floats
 from drystone.base.display import OneLine
-from drystone.base.progress import Stop
+from drystone.base.progress import Clock, Stop
 from drystone.base.settings import Options
 from drystone.base.units import NUMBER
 from drystone.contacts import Contacts
@@ -33,6 +34,9 @@ from drystone.model import FlushEnds, Model
 from drystone.results import Result, Samples, Verdict
 from drystone.settlement import Outcome
 from drystone.stability import QUICK, CheckOptions, check, try_rest
+from drystone.stability.asked import Asked
+from drystone.stability.problem import Problem
+from drystone.stability.verdict import decided
 from drystone.virtual import shrink
 
 
@@ -516,8 +520,9 @@ def every_stiffness(
 
 
 def verdict(model: Model, *, start: Floats | None = None, stop: Stop | None = None) -> Result:
-    """The verdict of :func:`drystone.check`: settlement where contact stiffness decides."""
-    return check(model, start=start, stop=stop)
+    """The verdict of :func:`drystone.check`, which is not asked what would change it."""
+    clock, problem = Clock(math.inf, stop), Problem.build(model)
+    return decided(Asked(problem, CheckOptions(), clock, explains=False), near=start)
 
 
 STANDS: Mapping[Verdict, bool | None] = {

@@ -72,7 +72,7 @@ class Asked:
     stage
         What is being calculated.
     explains
-        Whether it is looked for what would make it stand; it changes no verdict.
+        Whether it is looked for what would change the verdict, which it does not change.
     """
 
     problem: Problem

@@ -264,7 +264,7 @@ def _on_faces(asked: Asked, words: str, spread: Model | None) -> str:
     spread
         The model with these points, where its springs do not hold it.
     """
-    if spread is None:
+    if spread is None or not asked.explains:
         return words
     found = settle_for_verdict(spread, options=asked.options.settlement, stop=asked.clock.late)
     asked.steps += found.iterations
@@ -379,7 +379,7 @@ def _with_spread_points(asked: Asked, found: Settlement, options: SettlementOpti
         if points is None:
             break
         asked.depends_on(Sensitivity.PRESSURE)
-        if now.outcome is not Outcome.RESTS:
+        if now.outcome is not Outcome.RESTS or not asked.explains:
             break
         model = points
         now = settle_for_verdict(model, options=options, stop=asked.clock.late)
