@@ -9,7 +9,7 @@ A bridge under a train: the largest factor at a place, its forces, and a proof o
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import NamedTuple
@@ -383,6 +383,12 @@ class Position(NamedTuple):
         """Where it is."""
         return f"x = {self.place:.3g} m"
 
+    def power(self, motion: Floats) -> Floats:
+        """(m,) in mechanisms (m, n, 6): of the axles, and of the line load where it is adverse."""
+        flat = motion.reshape(len(motion), -1).T
+        pieces = self.pieces.reshape(len(self.pieces), len(flat)) @ flat
+        return np.asarray(self.axles.ravel() @ flat + np.maximum(pieces, 0.0).sum(axis=0))
+
     def load(self, adverse: Bools) -> LoadCase:
         """The axles, and the line load on some pieces (p,)."""
         wrench = self.axles + self.pieces[adverse].sum(axis=0)
@@ -455,6 +461,28 @@ class Crossing:
         """The largest factor of the train at a place: the lesser one of both ways it may move."""
         return min((self._placed(place, one) for one in self.train.ways), key=_factor)
 
+    def at(self, place: float, train: Train) -> Position:
+        """The train, or what it is turned round, at a place [m]."""
+        return Position(place, train, train.on(self.tops, place), *train.pieces(self.tops, place))
+
+    def known(self, found: Sequence[PlacedTrain]) -> Callable[[Floats], Floats]:
+        """What mechanisms found at some places say of all: no larger factor is carried there.
+
+        A mechanism ends the train wherever that is when its power makes up for what resists.
+        """
+        ended = [one for one in found if 0.0 < one.factor < math.inf]
+        motion = np.array([self.problem.mechanism(one.found.state.multiplier) for one in ended])
+        each = zip(ended, motion, strict=True)
+        resists = np.array([one.factor * one.at.power(by[None])[0] for one, by in each])
+
+        def factor(places: Floats) -> Floats:
+            every = [(x, way) for x in places.tolist() for way in self.train.ways]
+            power = np.array([self.at(*one).power(motion) for one in every])
+            least = np.divide(resists, power, np.full_like(power, np.inf), where=power > 0.0)
+            return np.asarray(least.reshape(len(places), -1).min(axis=1))
+
+        return factor
+
     def _placed(self, place: float, train: Train) -> PlacedTrain:
         """The least of the largest factors over all stretches of the line load.
 
@@ -462,7 +490,7 @@ class Crossing:
         on a plank that tips to either side; and from the best with its ends moved by two pieces. At
         20 places of four bridges it is what 24 starts find; without moved ends 2.7 % more at one.
         """
-        at = Position(place, train, train.on(self.tops, place), *train.pieces(self.tops, place))
+        at = self.at(place, train)
         known: dict[bytes, PlacedTrain] = {}
         largest = PlaneFactors.of(self.problem.statics, self.options.cone, self._reserve)
 

@@ -413,7 +413,8 @@ def test_a_report_of_a_train_draws_the_worst_place_and_lists_axles_fill_and_both
     page = html_of(made)
     for expected in (
         "multiplies all axles, 600 kN in all", "a load spreads 0.5 by depth", "passive none",
-        f"at {len(found.places)} places ({len(found.places) - 3} of them halfway to the worst one)",
+        f"at {len(found.places)} places ({len(found.places) - 3} of them "
+        "where mechanisms of others end it sooner)",
         "axles at the worst place", "infinitely strong", "reactions", "thrust at the crown",
         *[f"{one.label[1:]}" for one in found.limit.layers().stages],
             ):  # fmt: skip
