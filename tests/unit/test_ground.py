@@ -6,7 +6,7 @@ import pytest
 from drystone import Assembly, InputError, Model, check
 from drystone.answer.drawing import load_layers
 from drystone.geometry.frames import rotation_about
-from drystone.limits import limit_train
+from drystone.limits import LimitOptions, limit_load, limit_train
 from drystone.loads import Earth, Fill, LoadCase
 from drystone.loads.fill import Tops
 from drystone.models import dome, segmental_bridge, tower
@@ -79,6 +79,25 @@ def test_fill_presses_the_backs_of_abutments_as_rankine_says() -> None:
     field = load.surface
     assert field is not None
     assert np.abs(field.traction[field.block == low, :, 0]).max() == pytest.approx(6e3 * deep)
+
+
+@pytest.mark.parametrize("degrees", [17.0, 30.0, 45.0, 90.0])
+def test_fill_and_what_a_bridge_carries_turn_with_it(degrees: float) -> None:
+    """Forces, moments, notes and a limit of two spans on piers, between backs."""
+    bridge = segmental_bridge(5.0, 1.2, 0.4, 5, width=1.5, height=2.0, spans=2)
+    fill, turn = Fill(0.4, 2e4, k=0.3), rotation_about(np.array([0.0, 0.0, 1.0]), degrees)
+    first, turned = fill.on(bridge), fill.on(bridge.transformed(turn))
+    back = np.concatenate([turned.wrench[:, :3] @ turn, turned.wrench[:, 3:] @ turn], axis=1)
+    np.testing.assert_allclose(back, first.wrench, atol=1e-8 * np.abs(first.wrench).max())
+    assert turned.notes == first.notes
+    quick = LimitOptions(equilibrium_only=True)
+    limits = []
+    for one, load in ((bridge, first), (bridge.transformed(turn), turned)):
+        model = Model.of(one, friction=0.6)
+        live = LoadCase.point_load(one, one.names[13], (0.0, 0.0, -1e3))
+        found = limit_load(model.with_load(model.load + load), live, options=quick)
+        limits.append(found.equilibrium.stands)
+    assert limits[1] == pytest.approx(limits[0], rel=1e-5)
 
 
 def test_fill_presses_steps_and_walls_beside_it_but_not_what_is_covered_or_outside() -> None:

@@ -21,7 +21,7 @@ from drystone.base.display import named
 from drystone.base.errors import InputError, meant
 from drystone.base.settings import Options
 from drystone.base.units import quantity
-from drystone.geometry.frames import AXES, LEVEL_AXES, unit
+from drystone.geometry.frames import AXES, unit
 from drystone.loads.case import DOWN, STANDARD_GRAVITY, LoadCase
 from drystone.loads.masses import CarriedMass
 from drystone.loads.placing import SurfaceLoad
@@ -140,6 +140,31 @@ class Fill(Options):
         )  # fmt: skip
 
 
+def _own_axes(assembly: Assembly) -> Floats:
+    """Directions of a model as rows (3, 3): along, across and up.
+
+    One in which the largest area of upright faces looks; along is the one in which faces that slope
+    do, or the nearest to x where both are alike. They turn with the model about z.
+    """
+    mine = ~assembly.fixed[assembly.faces.owner]
+    area, normal = assembly.faces.area_vectors[mine], assembly.faces.normals[mine]
+    flat = normal[:, 0] + 1j * normal[:, 1]
+    upright, level = (np.abs(one) < 1e-6 for one in (normal[:, 2], flat))
+    ways, which = np.unique(np.round(flat[upright] ** 4, 6), return_inverse=True)
+    size = np.bincount(which.ravel(), lengths(area[upright]), len(ways))
+    alike = np.flatnonzero(size > (1.0 - SAME) * size.max(initial=0.0))
+    turn = np.ones(1, dtype=complex)
+    if len(alike):
+        best = alike[np.abs(np.angle(ways[alike])).argmin()]
+        turn = np.exp(0.25j * np.angle(flat[upright][which.ravel() == best][:1] ** 4))
+    turned = flat[~upright & ~level] / turn
+    slopes = lengths(area[~upright & ~level]) @ np.column_stack([turned.real, turned.imag]) ** 2
+    if slopes[1] > (1.0 + SAME) * slopes[0]:
+        turn *= 1j
+    x, y = np.round([turn.real[0], turn.imag[0]], 12) + 0.0
+    return np.array([[x, y, 0.0], [-y, x, 0.0], [0.0, 0.0, 1.0]])
+
+
 @dataclass(frozen=True, eq=False)
 class Tops:
     """Tops of blocks under fill.
@@ -169,11 +194,11 @@ class Tops:
         free = ~assembly.fixed[strips.block]
         if not free.any():
             raise InputError("no free block has a top", where="fill", remedy="free some blocks")
-        road = float(strips.r[free].max()) + fill.cover
+        road = float(strips.highest[free].max()) + fill.cover
         made = cls(
             assembly, fill, strips, road, 0.5 * float(strips.t[free].min() + strips.t[free].max())
         )
-        over = strips.r[free] - made.level(strips.t[free])
+        over = strips.highest[free] - made.level(strips.t[free])
         if over.max() > 1e-9 * made.breadth:
             at = int(over.max(axis=1).argmax())
             name = assembly.names[strips.block[free][at]]
@@ -194,20 +219,25 @@ class Tops:
         free = self.strips.t[~self.assembly.fixed[self.strips.block]]
         return float(free.min()), float(free.max())
 
-    @cached_property
-    def sides(self) -> Floats:
-        """Least and largest y (2,) [m] of the tops of free blocks."""
-        free = self.strips.chosen(~self.assembly.fixed[self.strips.block])
-        return np.array([(free.s - 0.5 * free.width).min(), (free.s + 0.5 * free.width).max()])
-
     @property
     def breadth(self) -> float:
         """[m], along y, of the free blocks."""
-        return float(np.ptp(self.sides))
+        return float(np.ptp(self._sides(self.strips)))
+
+    def _sides(self, strips: SeenStrips) -> Floats:
+        """Least and largest place (2,) [m] of the tops of free blocks across strips."""
+        free = strips.chosen(~self.assembly.fixed[strips.block])
+        return np.array([(free.s - 0.5 * free.width).min(), (free.s + 0.5 * free.width).max()])
+
+    @cached_property
+    def _own(self) -> SeenStrips:
+        """The strips along the model's own directions, which turn with it."""
+        axes = _own_axes(self.assembly)
+        return self.strips if (axes == np.eye(3)).all() else SeenStrips.of(self.assembly, axes)
 
     def depth(self, x: float) -> float:
         """[m], from the road to the highest top at a place, or at the nearest that has one."""
-        t, r = self.strips.t, self.strips.r
+        t, r = self.strips.t, self.strips.highest
         away = np.maximum(np.maximum(t[:, 0] - x, x - t[:, 1]), 0.0)
         here = away <= away.min() + 1e-9 * self.breadth
         share = np.clip((x - t[here, 0]) / np.diff(t[here])[:, 0], 0.0, 1.0)
@@ -233,35 +263,37 @@ class Tops:
     @cached_property
     def upright(self) -> Sequence[SeenStrips]:
         """Upright faces of free blocks before which fill lies, seen from beside the vertical."""
-        seen = map(self._beside, range(len(LEVEL_AXES)))
+        seen = map(self._beside, range(4))
         return [one for one in seen if len(one.block)]
 
     def _beside(self, way: int) -> SeenStrips:
-        ways, up = np.array(list(LEVEL_AXES.values())), np.array(AXES["z"])
+        along, aside, up = self._own.axes
+        ways, ends = np.stack([along, -along, aside, -aside]), way < 2
         level = ways[way]
         eye, across = unit(up + _LEAN * level), np.cross(up, level)
         axes = np.stack([np.cross(across, eye), across, eye])
 
         def sought(strips: SeenStrips) -> Bools:
-            normal = np.round(strips.normal, 6)  # of two ways alike the first
-            return (normal[:, 2] == 0.0) & (np.argmax(normal @ ways.T, axis=1) == way)
+            towards = np.round(strips.normal @ np.column_stack([ways.T, up]), 6)
+            return (towards[:, 4] == 0.0) & (np.argmax(towards[:, :4], axis=1) == way)
 
-        places = across[0] * np.unique(self.strips.t) if level[1] else np.zeros(0)
+        places = np.zeros(0) if ends else (across @ along) * np.unique(self._own.t)
         seen = SeenStrips.of(self.assembly, axes, sought, places.tolist())
         seen = seen.chosen(~self.assembly.fixed[seen.block])
-        if not level[1]:
+        if ends:
             return seen
         # has it a top below what is before it, and not beside the bridge?
         middle = np.stack([seen.t, seen.s, seen.r], axis=2).mean(axis=1) @ axes
-        before = middle + SAME * self.breadth * level
+        before = (middle + SAME * self.breadth * level) @ self._own.axes.T
         some = np.zeros(len(middle), dtype=bool)
         some[self._plan.query(shapely.points(before[:, :2]), "intersects")[0]] = True
-        inside = np.abs(before[:, 1] - self.sides.mean()) < 0.5 * self.breadth
+        sides = self._sides(self._own)
+        inside = np.abs(before[:, 1] - sides.mean()) < 0.5 * np.ptp(sides)
         return seen.chosen(some & inside)
 
     @cached_property
     def _plan(self) -> shapely.STRtree:
-        t, s, width = self.strips.t, self.strips.s, self.strips.width
+        t, s, width = self._own.t, self._own.s, self._own.width
         low, high = s - 0.5 * width, s + 0.5 * width
         corner = np.concatenate([np.stack([t, low], 2), np.stack([t, high], 2)[:, ::-1]], axis=1)
         return shapely.STRtree(shapely.polygons(corner))

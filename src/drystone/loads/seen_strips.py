@@ -131,6 +131,11 @@ class SeenStrips(OneLine):
         towards = np.column_stack([-self.slope, np.ones(len(self.slope))]) @ self.axes
         return np.asarray(towards / lengths(towards)[:, None])
 
+    @property
+    def highest(self) -> Floats:
+        """Largest r (m, 2) [m] at both ends."""
+        return np.asarray(self.r + 0.5 * np.abs(self.slope[:, 1:]) * self.width)
+
     def chosen(self, which: Bools | Ints) -> SeenStrips:
         """Some of them."""
         return SeenStrips(
