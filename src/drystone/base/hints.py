@@ -141,7 +141,15 @@ def documented(of: Any) -> dict[str, dict[str, Any]]:
     >>> from drystone.limits import LimitOptions
     >>> documented(LimitOptions)["width"]["ends"]
     {'>': 0.0, '<': inf}
+
+    Raises
+    ------
+    InputError
+        Python has no docstrings.
     """
+    if sys.flags.optimize > 1:
+        why = "python -OO takes the docstrings away, by which options are checked"
+        raise InputError(why, remedy="python -O keeps them")
     known: dict[str, dict[str, Any]] = {}
     for one in reversed(of.__mro__) if isinstance(of, type) else (of,):
         known |= dict(_entries(inspect.getdoc(one) or ""))

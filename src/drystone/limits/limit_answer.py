@@ -222,7 +222,8 @@ class Limit(LimitValues, Answer):
             if at is not None:
                 what = "yielding" if falling.contacts.ties[at] else "crushing"
                 head = f"{what} governs: it" if share > 0.5 else what
-                said.append(Sentence(f"{head} takes {share:.2g} of what {what} and weight resist"))
+                rest = "of the work that resists this motion, lifted weights the rest"
+                said.append(Sentence(f"{head} takes {100.0 * share:.3g} % {rest}"))
         if self.stopped:
             said.append(Sentence(f"not finished: {self.stopped}", Role.REMARK))
         searched = f"searched from {self.start:.6g} to {self._told(self.end)}"

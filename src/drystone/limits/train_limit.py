@@ -19,6 +19,7 @@ from drystone.base.errors import InputError, counted
 from drystone.base.progress import Clock
 from drystone.base.settings import checked_call
 from drystone.base.table import Table
+from drystone.base.units import quantity
 from drystone.base.workers import WorkerPool
 from drystone.io.opening import Given, LongHow, supported_model
 from drystone.limits.bounds import Crossing, PlacedTrain
@@ -246,7 +247,7 @@ class TrainEnvelope(Answer):
         if self.falls_alone:
             alone = f"no forces balance the bridge alone, as found at {known}; 'check' tells why"
             return [*said, Sentence(alone)]
-        said.append(self._of_width)
+        said += [self._of_width, self._of_place]
         least = float(self.factors[self.worst])
         factor = "any factor" if np.isinf(least) else f"{rounded_down(least):g} and more"
         said.append(
@@ -291,13 +292,47 @@ class TrainEnvelope(Answer):
             told = f"{100.0 * shares.min():.3g} to {told}"
         line = ""
         if len(self.line):
-            worst = self._placed[self.worst]
-            ends = worst.at.ends[worst.adverse]
-            each = [tops.borne(x, self.train.lane) for x in ends.mean(axis=1).tolist()]
-            line = f", and {100.0 * np.average(each, weights=np.ptp(ends, axis=1)):.3g} % of the "
-            line += "line load"
+            line = f", and {100.0 * self._line_borne:.3g} % of the line load"
         wide = f"the answer is for all of the model, {tops.breadth:.3g} m wide along y"
-        return Sentence(f"{wide}: it bears {told}{line}", Role.REMARK)
+        share = "" if (shares >= 1.0).all() else ", by its width over that to which loads spread,"
+        return Sentence(f"{wide}: it bears{share} {told}{line}", Role.REMARK)
+
+    @property
+    def _of_place(self) -> Sentence:
+        """What a place is, and what is not tried across the bridge."""
+        low, high = self._crossing.tops.ends
+        told = "places are x of the model, of the middle of the train; the bridge lies from "
+        wide = "; an axle acts evenly over its width: a wheel alone may be worse, and is not tried"
+        ends = f"{told}{low:.3g} to {high:.3g} m"
+        return Sentence(ends + (wide if self.train.across else ""), Role.REMARK)
+
+    @property
+    def _line_borne(self) -> float:
+        """The share of the line load that bears at the worst place."""
+        worst = self._placed[self.worst]
+        ends = worst.at.ends[worst.adverse]
+        each = [self._crossing.tops.borne(x, self.train.lane) for x in ends.mean(axis=1).tolist()]
+        return float(np.average(each, weights=np.ptp(ends, axis=1)))
+
+    def by_hand(self) -> Table:
+        """The vertical load of the train at the worst place by hand, and that on the blocks."""
+        axles, down = self.axles(), -self._placed[self.worst].live.wrench[:, 2]
+        each = zip(axles["axle"].tolist(), axles["load"].tolist(), axles["borne"], strict=True)
+        rows = [(f"axle {i}", load, share, share * load) for i, load, share in each]
+        if len(self.line):
+            long, share = float(np.ptp(self.line, axis=1).sum()), self._line_borne
+            load, line = self.train.line * long, quantity(self.train.line, "N/m")
+            rows.append((f"line load, {line} on {long:.4g} m", load, share, share * load))
+        fixed, rest = self.model.assembly.fixed, (np.nan, np.nan)
+        rows += [
+            ("sum; what spreads beyond the bridge is lost", *rest, sum(row[3] for row in rows)),
+            ("found on free blocks", *rest, float(down[~fixed].sum())),
+            ("found on supports and ground", *rest, float(down[fixed].sum())),
+        ]
+        names, units = ("of", "load", "borne", "vertical"), ("", "N", "1", "N")
+        columns = {name: [row[i] for row in rows] for i, name in enumerate(names)}
+        title = "vertical load of the train at the worst place, at factor 1"
+        return Table(title, columns, dict(zip(names[1:], units[1:], strict=True)))
 
     @property
     def _of_line(self) -> Sentence:

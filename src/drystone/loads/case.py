@@ -189,7 +189,7 @@ class LoadCase(OneLine):
         x, y = number(kx, "kx"), number(ky, "ky")
         with np.errstate(over="ignore"):  # what overflows is refused below
             level = number(g, "g") * np.array([x, y, 0.0])
-        name = f"seismic {x:g}, {y:g}"
+        name = f"seismic {x:g}, {y:g} g"
         return cls(wrench_of_masses(assembly, level), name, acceleration=level, shake=level)
 
     @classmethod

@@ -236,8 +236,9 @@ class Tops:
         return self.strips if (axes == np.eye(3)).all() else SeenStrips.of(self.assembly, axes)
 
     def depth(self, x: float) -> float:
-        """[m], from the road to the highest top at a place, or at the nearest that has one."""
-        t, r = self.strips.t, self.strips.highest
+        """[m], from the road to the highest free top at a place, or the nearest that has one."""
+        free = ~self.assembly.fixed[self.strips.block]
+        t, r = self.strips.t[free], self.strips.highest[free]
         away = np.maximum(np.maximum(t[:, 0] - x, x - t[:, 1]), 0.0)
         here = away <= away.min() + 1e-9 * self.breadth
         share = np.clip((x - t[here, 0]) / np.diff(t[here])[:, 0], 0.0, 1.0)

@@ -161,7 +161,8 @@ def _summary(answers: Sequence[Answer], model: Model) -> Iterator[Part]:
 
 def _told(one: Answer) -> Iterator[str]:
     """The title of an answer, the margins of what stands, and what is to be borne in mind."""
-    said = [one.sentences()[0].text, one.title]
+    count = 3 if isinstance(one, Combinations) else 1  # which governs, and what happens there
+    said = [*(sentence.text for sentence in one.sentences()[:count]), one.title]
     under = one.asked.facts().get("Load") if isinstance(one, Limit) else None
     said += [f"Load: {under}"] if under else []
     yield ". ".join(dict.fromkeys(said)) + "."
@@ -256,6 +257,7 @@ def _loads(model: Model, first: Answer) -> Iterator[Part]:
         }
         if len(first.places):
             yield first.axles()
+            yield first.by_hand()
 
 
 def _applied(model: Model) -> Iterator[Part]:

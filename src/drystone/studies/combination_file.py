@@ -72,7 +72,7 @@ class Action(OneLine):
         >>> from drystone.models import tower
         >>> push = LoadCase.seismic(tower(2), 0.1)
         >>> Action("quake", "seismic", push, reversible=True, parts=(push,)).words
-        'seismic 0.1, 0; or reversed'
+        'seismic 0.1, 0 g; or reversed'
         """
         told = " + ".join(one.name for one in self.parts)
         told += "; shaken" if any(one.kind == "load" for one in self.load.masses) else ""

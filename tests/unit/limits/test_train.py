@@ -18,6 +18,7 @@ from drystone.results import Verdict
 from drystone.solvers.program import ConicProgram, ProgramBuilder
 
 FILL = Fill(cover=0.3, weight=2e4)
+AXLE = Train("axle", (0.0,), (1e5,), contact=0.4)
 
 
 @pytest.fixture(scope="module")
@@ -187,6 +188,23 @@ def test_the_worst_place_is_found_between_those_asked_for(steps: int) -> None:
     assert any(told in one.text for one in found.sentences())
 
 
+def test_the_train_is_summed_by_hand(bridge: Model) -> None:
+    """Each load times the part that a strip of 1 m bears, and all of an axle on its whole width."""
+    quick = LimitOptions(equilibrium_only=True)
+    train = Train("line", (0.0,), (1e4,), contact=0.4, line=3e4, lane=3.0, across=2.4)
+    found = limit_train(bridge, train=train, fill=FILL, steps=4, options=quick)
+    table = found.by_hand()
+    (deep,) = found.axles()["fill_below"]
+    share = 1.0 / (2.4 + deep)
+    assert table["vertical"][0] == pytest.approx(1e4 * share)
+    assert table["load"][1] == pytest.approx(3e4 * np.ptp(found.line, axis=1).sum())
+    borne = table["vertical"][1] / table["load"][1]
+    assert 1.0 / (3.0 + 1.95) < borne < 1.0 / (3.0 + 0.3)
+    assert table["vertical"][2] == pytest.approx(table["vertical"][:2].sum())
+    whole = limit_train(bridge, train=AXLE, fill=FILL, steps=3, options=quick).by_hand()
+    assert whole["vertical"] == pytest.approx([1e5, 1e5, 1e5, 0.0])
+
+
 @pytest.mark.parametrize("name", ["axle", "lm1", "lm71"])
 def test_few_places_and_many_find_the_same_worst_one(bridge: Model, name: str) -> None:
     quick = LimitOptions(equilibrium_only=True)
@@ -240,8 +258,12 @@ def test_the_answer_names_the_fill_the_axles_and_what_the_standard_adds(bridge: 
     assert "without a dynamic factor" in told
     (width,) = [one for one in found.sentences() if one.text.startswith("the answer is for all")]
     assert width.role is Role.REMARK
-    assert "model, 1 m wide along y: it bears" in width.text
+    assert "model, 1 m wide along y: it bears, by its width over that to which" in width.text
     assert width.text.endswith(" of the line load")
+    assert (
+        "x of the model, of the middle of the train; the bridge lies from -0.36 to 6.36 m" in told
+    )
+    assert "a wheel alone may be worse" in told
     borne = found.axles()["borne"]
     wide = 2.6 + 2.0 * 0.5 * found.axles()["fill_below"]
     assert borne == pytest.approx(1.0 / wide)
@@ -328,14 +350,13 @@ def test_a_train_that_cannot_be_read_is_told_in_one_line(
         Train.named(str(path))
 
 
-@pytest.mark.parametrize("across", [0.0, 2.4])
-def test_ground_beside_a_bridge_carries_nothing_of_a_train(across: float) -> None:
+@pytest.mark.parametrize("train", [replace(AXLE, across=2.4), AXLE, Train.named("lm1")])
+def test_ground_beside_a_bridge_carries_nothing_of_a_train(train: Train) -> None:
     """A fixed slab below it, 4 m wider, changes neither the breadth nor the factor."""
     bridge, fill = segmental_bridge(5.0, 1.5), Fill(cover=0.4, weight=19e3, k=0.3)
     low, high = bridge.bounds.reshape(-1, 3).min(axis=0), bridge.bounds.reshape(-1, 3).max(axis=0)
     size = high - low + (2.0, 4.0, 0.0)
     slab = box((size[0], size[1], 0.5), (low[0] - 1.0, low[1] - 2.0, low[2] - 0.5), "slab")
     wide = Assembly((*bridge.blocks, slab), [*bridge.fixed.tolist(), True])
-    train = Train("axle", (0.0,), (1e5,), contact=0.4, across=across)
     alone, beside = (limit_train(one, train=train, fill=fill, steps=3) for one in (bridge, wide))
     assert beside.limit.stands == pytest.approx(alone.limit.stands, rel=1e-6)

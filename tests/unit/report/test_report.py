@@ -66,7 +66,7 @@ def test_a_report_has_input_loads_method_verdict_proof_and_hand_checks(
     for expected in (
         "&lt;Old&gt; bridge", "N. N.", asked.sha256, asked.version, "bridge.json", "voussoir-02",
         "0, 0, -300 N", "friction 0.7", "2400", "Stands up to load factor", "reactions",
-        "seismic 1, 0", "it is 440 m across", "Checked by", "signature",
+        "seismic 1, 0 g", "it is 440 m across", "Checked by", "signature",
         "Proof, computed again", "thrust at the crown", "positive in compression", "kern",
     ):  # fmt: skip
         assert expected in text or expected in page, expected
@@ -98,7 +98,7 @@ def test_the_ground_below_a_model_has_no_weight_in_a_report(tmp_path: Path) -> N
     assert table["volume"].tolist() == pytest.approx([2.0])
     assert model.origin.reading["density"] == "2200"
     answer = limit_load(model, "seismic:1,0", options=LimitOptions(equilibrium_only=True))
-    assert answer.asked.facts()["Load"] == "gravity, and seismic 1, 0 times a factor"
+    assert answer.asked.facts()["Load"] == "gravity, and seismic 1, 0 g times a factor"
 
 
 def test_the_summary_names_the_load_and_the_factor_that_stand(answers: list[Answer]) -> None:
@@ -108,7 +108,9 @@ def test_the_summary_names_the_load_and_the_factor_that_stand(answers: list[Answ
     (told,) = [one for one in said if isinstance(one, str) and "load factor" in one]
     assert limit.best.standing is not None
     assert limit.best.falling is not None
-    assert "Load: gravity + 0, 0, -300 N on 'voussoir-02', and seismic 1, 0 times a factor." in told
+    assert (
+        "Load: gravity + 0, 0, -300 N on 'voussoir-02', and seismic 1, 0 g times a factor." in told
+    )
     assert limit.best.falling.load.name not in told
 
 

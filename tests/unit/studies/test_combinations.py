@@ -12,6 +12,8 @@ from drystone.cli import main
 from drystone.io.opening import as_model
 from drystone.models import segmental_bridge, tower
 from drystone.report import write_report
+from drystone.report.document import TitleBlock
+from drystone.report.report_sections import document_of
 from drystone.studies import combinations, read_combinations
 
 WEIGHT = """
@@ -50,6 +52,13 @@ def test_a_block_overturns_where_the_factors_of_equilibrium_say(
     if stands:
         share = 1.5 * force / (0.9 * 23544.0)
         assert found.needed[found.governs] == pytest.approx(share, abs=2e-3)
+
+
+def test_the_summary_of_a_report_names_the_combination_that_governs(tmp_path: Path) -> None:
+    path = written(tmp_path, 'situations = ["EQU", "STR"]', WEIGHT, PUSH.format(14250))
+    found = combinations(STACK, path)
+    (told,) = [x for x in document_of([found], TitleBlock()).sections[0].parts if "Does" in str(x)]
+    assert "governs: EQU: 0.9 weight + 1.5 push. there: " in str(told)
 
 
 def test_friction_and_strength_are_divided(tmp_path: Path) -> None:

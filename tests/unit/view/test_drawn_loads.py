@@ -122,7 +122,7 @@ def test_names_of_many_loads_stay_short() -> None:
     assert load.name.endswith(" + 38 more")
     assert len(load.name) < 80
     both = LoadCase.gravity(assembly) + LoadCase.seismic(assembly, 0.1)
-    assert (2.0 * both).name == "2 (gravity + seismic 0.1, 0)"
+    assert (2.0 * both).name == "2 (gravity + seismic 0.1, 0 g)"
 
 
 def test_loads_and_reactions_are_in_cad_files(loaded: drystone.Result, tmp_path: Path) -> None:
