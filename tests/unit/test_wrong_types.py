@@ -170,7 +170,7 @@ def test_any_argument_of_another_type_is_refused_or_understood(name: str) -> Non
         (lambda: check(MODEL, isolate={1: 2}), r"isolate is \{1: 2\}; give a text"),
         (lambda: check(MODEL, crack=2.0), "crack is 2.0; give a text"),
         (lambda: check(MODEL, joint_capacity=5e3), "joint_capacity is 5000.0; give a text"),
-        (lambda: check(MODEL, strength=5e6), "strength is 5000000.0; give a text"),
+        (lambda: check(MODEL, strength=[5e6]), r"strength is \[5000000.0\]; give a text, a number"),
         (lambda: drystone.diagnose(MODEL, result="x"), r"result is 'x'; give Result\("),
         (lambda: drystone.Structure(MODEL, each_s=None), "each_s is None; give a number"),
         (lambda: drystone.check_many([MODEL], each_s="x"), "each_s is 'x'; give a number"),

@@ -7,6 +7,7 @@ from scipy.optimize import linprog
 import drystone
 from drystone import Assembly, Block, JointCapacity, LoadCase, Model, check, limit_load, solve_rbe
 from drystone.checks import check_forces, mechanism_defects, normal_force_by_strength
+from drystone.io.opening import as_model
 from drystone.limits import LimitOptions, limit_friction, limit_thickness, limit_tilt, thrust_bounds
 from drystone.models import arch, box, segmental_bridge, wall
 from drystone.stability.strength import crushing_factor
@@ -231,6 +232,12 @@ def test_a_bridge_carries_less_the_weaker_its_stone(strength, published):
     assert found.stands == pytest.approx(own, rel=1e-3)
     assert found.falls == pytest.approx(own, rel=1e-3)
     assert own == pytest.approx(published, rel=0.01)  # kN, of another program
+
+
+@pytest.mark.parametrize("given", [5e6, 5_000_000, "5MPa"])
+def test_a_strength_is_a_number_in_pa_or_words_with_their_unit(given):
+    found = as_model(arch(0.15, 5), strength=given).contacts
+    assert found.capacity.compression == pytest.approx(5e6 * found.area)
 
 
 def test_a_head_joint_that_only_rounding_presses_uses_no_strength():

@@ -257,7 +257,8 @@ class LoadFactors:
         column, place = sparse.csc_matrix(live.reshape(-1, 1)), np.flatnonzero(live)
         if self._statics.crushing is not None:
             build = partial(self._program, column)
-            state = solved(build, self._statics, stop=stop, enough=-self._enough)
+            parts = solved_by_parts(build, self._statics, stop=stop, enough=-self._enough)
+            state, self._statics = parts  # the next load finds most parts of faces that it needs
         else:
             if np.isin(place, self._place).all() and self._kept is not None:
                 program, solver = self._kept
@@ -331,6 +332,19 @@ def solved(
     Where joints crush it is built and solved again, with more parts of their faces, until these add
     nothing or the value is ``enough``.
     """
+    return solved_by_parts(build, statics, options, stop=stop, vertex=vertex, enough=enough)[0]
+
+
+def solved_by_parts(
+    build: Callable[[Statics], ConicProgram],
+    statics: Statics,
+    options: ConicOptions | None = None,
+    *,
+    stop: Callable[[], bool] | None = None,
+    vertex: bool = False,
+    enough: float = -np.inf,
+) -> tuple[EquilibriumSolution, Statics]:
+    """As :func:`solved`, with the problem as it has all parts of faces."""
     steps, finer = 0, statics
     for _ in range(_ROUNDS):
         statics, program = finer, build(finer)
@@ -344,10 +358,10 @@ def solved(
         raw = program.at_vertex(raw, ConicOptions.of(options).time_limit_s)
     state = _state(program, raw)
     if "pull" not in program.variables or statics.crushing is None:
-        return state
+        return state, statics
     pull = np.zeros(len(state.force))
     pull[statics.crushing.corner] = raw.x[program.variables["pull"]]
-    return replace(state, pull=pull)
+    return replace(state, pull=pull), statics
 
 
 def _state(program: ConicProgram, raw: ConicSolution) -> EquilibriumSolution:

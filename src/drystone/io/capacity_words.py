@@ -40,8 +40,8 @@ def with_joint_capacity(model: Model, text: str) -> Model:
     return model.with_capacity(replace(found, brittle=brittle))
 
 
-def with_strength(model: Model, text: str) -> Model:
-    """The model whose joints all crush under a pressure.
+def with_strength(model: Model, given: str | float) -> Model:
+    """The model whose joints all crush under a pressure, in words or in Pa.
 
     Raises
     ------
@@ -50,10 +50,11 @@ def with_strength(model: Model, text: str) -> Model:
     """
     where = "strength"
     with located(where):
-        plain = None if text.strip("0. ") else 0.0  # zero is refused in any unit
-        pressure = units.measured(text, units.PRESSURES, plain, where)
+        zero = not str(given).strip("0. ")  # it is refused in any unit
+        plain = 1.0 if zero or not isinstance(given, str) else None
+        pressure = units.measured(str(given), units.PRESSURES, plain, where)
     if not 0.0 < pressure < np.inf:
-        raise InputError(f"is {text}", where=where, remedy="give more than zero, such as 5MPa")
+        raise InputError(f"is {given}", where=where, remedy="give more than zero, such as 5MPa")
     before = model.contacts.capacity or JointCapacity.dry(model.contacts.count)
     return model.with_capacity(replace(before, compression=pressure * model.contacts.area))
 

@@ -55,7 +55,7 @@ class How(FileOptions, total=False):
     seismic: str | float | Sequence[float] | None
     shaken: bool
     joint_capacity: str | None
-    strength: str | None
+    strength: str | float | None
     tie: str | Sequence[str]
     gap: float | str | None
     angle: float | None
@@ -124,7 +124,8 @@ def read(path: Paths, *, progress: Progress | None = None, **reading: Unpack[How
         for joints that do not break; or a table block_a,block_b,tension,cohesion,shear,compression
         in N.
     strength
-        Pressure under which all joints crush, such as ``5MPa``; left out, they bear any.
+        Pressure under which all joints crush: ``5MPa``, or a number in Pa in Python; left out, they
+        bear any.
     tie
         A rod between the middles of two blocks, or points of them, that only pulls, with the force
         at which it yields: ``BLOCK:BLOCK:20kN``, ``BLOCK@X,Y,Z:BLOCK@X,Y,Z:20kN`` in m; without

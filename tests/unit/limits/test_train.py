@@ -10,6 +10,7 @@ import pytest
 from drystone import Assembly, InputError, JointCapacity, LoadCase, Model, check
 from drystone.answer import Role
 from drystone.cli import main
+from drystone.formulations.equilibrium import LoadFactors
 from drystone.limits import LimitOptions, limit_load, limit_train
 from drystone.loads import Fill, Train
 from drystone.loads.fill import Tops
@@ -268,6 +269,22 @@ def test_the_answer_names_the_fill_the_axles_and_what_the_standard_adds(bridge: 
     wide = 2.6 + 2.0 * 0.5 * found.axles()["fill_below"]
     assert borne == pytest.approx(1.0 / wide)
     assert "along y than" not in told
+
+
+def test_parts_of_faces_that_crush_are_kept_for_the_next_stretch_of_a_line_load(
+    bridge: Model, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With mortar, which no plane program has: 16 programs a stretch if each begins anew."""
+    solved, asked = [], []
+    solve, largest = ConicProgram.solve, LoadFactors.__call__
+    monkeypatch.setattr(ConicProgram, "solve", lambda *a, **k: solved.append(0) or solve(*a, **k))
+    monkeypatch.setattr(LoadFactors, "__call__", lambda *a: asked.append(0) or largest(*a))
+    stone = {"tension": 5e4, "cohesion": 1e5, "compression": 5e6}
+    mortar = bridge.with_capacity(JointCapacity.of_stress(bridge.contacts, **stone))
+    quick = LimitOptions(equilibrium_only=True)
+    limit_train(mortar, train=Train.named("lm1"), fill=FILL, steps=1, options=quick)
+    assert len(asked) > 4
+    assert len(solved) < 8 * len(asked)
 
 
 def test_places_compared_with_ductile_joints_are_told_where_mortar_is_brittle(
