@@ -12,7 +12,6 @@ Khronos glTF 2.0 specification, section 3.11 (animations).
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Unpack
@@ -32,7 +31,7 @@ from drystone.base.progress import Clock
 from drystone.base.settings import Options, checked_call
 from drystone.base.table import Table
 from drystone.io.draft import Contents
-from drystone.io.glb import FLOAT, Z_UP, container, glb_content
+from drystone.io.glb import Z_UP, blocks_of
 from drystone.io.mjcf import mjcf_text
 from drystone.io.opening import Given, LongHow, as_model
 from drystone.loads import LoadCase
@@ -261,13 +260,11 @@ def write_film(model: Model, time: Floats, positions: Floats, path: PathLike) ->
         Translations of the centroids and rotation vectors from the beginning.
     path
     """
-    content, binary = glb_content(Contents(model.assembly))
-    keys = _Keys(binary, content)
+    parts = blocks_of(Contents(model.assembly))
     centroid = model.assembly.centroid @ Z_UP
-    nodes = content["nodes"]
-    channels: list[dict[str, Any]] = []
-    samplers: list[dict[str, int]] = []
-    when = keys.add(time[:, None], "SCALAR", bounds=True)
+    nodes = parts.top["nodes"]
+    channels = []
+    when = parts.numbers(time, bounds=True)
     for i in range(len(model.assembly)):
         # the surface is in world coordinates: a child that is moved back has it
         inner = {"mesh": nodes[i].pop("mesh"), "translation": (-centroid[i]).tolist()}
@@ -280,46 +277,10 @@ def write_film(model: Model, time: Floats, positions: Floats, path: PathLike) ->
         # the same rotation has two quaternions: viewers take the short way between near ones
         flips = np.cumprod(np.where((turn[1:] * turn[:-1]).sum(axis=1) < 0.0, -1.0, 1.0))
         turn[1:] *= flips[:, None]
-        for path_of, values, kind in (("translation", place, "VEC3"), ("rotation", turn, "VEC4")):
-            channels.append({"sampler": len(samplers), "target": {"node": i, "path": path_of}})
-            samplers.append({"input": when, "output": keys.add(values, kind)})
-    if channels:
-        content["animations"] = [{"name": "film", "channels": channels, "samplers": samplers}]
-    binary = keys.binary()
-    content["buffers"] = [{"byteLength": len(binary)}]
-    text = json.dumps(content, separators=(",", ":"), allow_nan=False).encode()
-    write_bytes(path, container(text, binary))
-
-
-class _Keys:
-    """Arrays of keys, put behind the surfaces."""
-
-    def __init__(self, surfaces: bytes, content: dict[str, Any]) -> None:
-        self.parts = [surfaces + b"\0" * (-len(surfaces) % 4)]
-        self.length = len(self.parts[0])
-        self.content = content
-
-    def add(self, values: Floats, kind: str, *, bounds: bool = False) -> int:
-        """The number of the accessor of an array (s, c)."""
-        data = np.ascontiguousarray(values, dtype="<f4")
-        views, accessors = self.content["bufferViews"], self.content["accessors"]
-        views.append({"buffer": 0, "byteOffset": self.length, "byteLength": data.nbytes})
-        made = {
-            "bufferView": len(views) - 1,
-            "componentType": FLOAT,
-            "count": len(data),
-            "type": kind,
-        }
-        if bounds:
-            made |= {"min": data.min(axis=0).tolist(), "max": data.max(axis=0).tolist()}
-        accessors.append(made)
-        self.parts.append(data.tobytes())
-        self.length += data.nbytes
-        return len(accessors) - 1
-
-    def binary(self) -> bytes:
-        """All of them."""
-        return b"".join(self.parts)
+        channels.append((i, "translation", when, place, "LINEAR"))
+        channels.append((i, "rotation", when, turn, "LINEAR"))
+    parts.play("film", channels)
+    write_bytes(path, parts.file({"nodes": [*range(len(model.assembly))]}))
 
 
 MOVED = 0.1

@@ -10,11 +10,12 @@ from __future__ import annotations
 
 import json
 import struct
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drystone.assembly import DEFAULT_DENSITY
 from drystone.base.arrays import SAME, Floats, Ints
@@ -242,92 +243,99 @@ def write(model: Contents, path: Path) -> None:
     Coordinates have single precision. Polygons are cut into triangles. Polygons warped by more than
     this precision become a fan about the mean of their corners, as in the volume calculation.
     """
-    content, binary = glb_content(model)
     try:
-        text = json.dumps(content, separators=(",", ":"), allow_nan=False).encode()
+        data = blocks_of(model).file({"nodes": [*range(len(model.assembly))]})
     except (TypeError, ValueError) as error:
         raise FormatError("metadata of a block is no JSON value", where=str(path)) from error
-    write_bytes(path, container(text, binary))
+    write_bytes(path, data)
 
 
-def glb_content(model: Contents) -> tuple[dict[str, Any], bytes]:
-    """The JSON part of a file as plain values, and its binary part."""
-    assembly = model.assembly
+class GlbParts:
+    """The parts of a file while it is made.
+
+    Attributes
+    ----------
+    top
+        Tables of the JSON part.
+    binary
+        Arrays of the binary part, ``size`` bytes in all.
+    """
+
+    def __init__(self) -> None:
+        keys = ("nodes", "meshes", "materials", "accessors", "bufferViews", "animations")
+        self.top: dict[str, list[dict[str, Any]]] = {key: [] for key in keys}
+        self.binary: list[bytes] = []
+        self.size = 0
+
+    def add(self, table: str, entry: dict[str, Any]) -> int:
+        """The number of a new entry of a table."""
+        self.top[table].append(entry)
+        return len(self.top[table]) - 1
+
+    def numbers(self, values: NDArray[Any], *, bounds: bool = False) -> int:
+        """The accessor of an array: whole numbers, or rows of single precision."""
+        whole = values.dtype.kind in "iu"
+        array = values.astype("<u4" if whole else "<f4")
+        raw = array.tobytes()
+        place = {"buffer": 0, "byteOffset": self.size, "byteLength": len(raw)}
+        self.binary.append(raw)
+        self.size += len(raw)
+        columns = 1 if array.ndim == 1 else array.shape[1]
+        entry: dict[str, Any] = {
+            "bufferView": self.add("bufferViews", place),
+            "componentType": UNSIGNED if whole else FLOAT,
+            "count": len(array),
+            "type": "SCALAR" if columns == 1 else f"VEC{columns}",
+        }
+        if bounds:
+            flat = array.reshape(len(array), -1)
+            entry |= {"min": flat.min(axis=0).tolist(), "max": flat.max(axis=0).tolist()}
+        return self.add("accessors", entry)
+
+    def play(self, name: str, channels: Iterable[tuple[int, str, int, Floats, str]]) -> None:
+        """An animation: of each channel the node, what moves, moments, values, interpolation."""
+        entry: dict[str, list[dict[str, Any]]] = {"channels": [], "samplers": []}
+        for node, path, moments, values, interpolation in channels:
+            target = {"node": node, "path": path}
+            entry["channels"].append({"sampler": len(entry["samplers"]), "target": target})
+            entry["samplers"].append({
+                "input": moments, "output": self.numbers(values), "interpolation": interpolation
+            })  # fmt: skip
+        if entry["channels"]:
+            self.add("animations", {"name": name, **entry})
+
+    def file(self, scene: dict[str, Any], told: Any = None, **more: Any) -> bytes:
+        """The whole file with its one scene; what is ``told`` of it, and more of the JSON part."""
+        extras = {} if told is None else {"extras": {"drystone": told}}
+        content = {
+            "asset": {"version": "2.0", "generator": "drystone", **extras},
+            **more,
+            "scene": 0,
+            "scenes": [scene],
+            **{key: table for key, table in self.top.items() if table},
+            "buffers": [{"byteLength": self.size}],
+        }
+        text = json.dumps(content, separators=(",", ":"), allow_nan=False).encode()
+        text += b" " * (-len(text) % 4)
+        head = struct.pack("<3I", MAGIC, VERSION, 12 + 8 + len(text) + 8 + self.size)
+        parts = struct.pack("<2I", len(text), JSON), struct.pack("<2I", self.size, BIN)
+        return b"".join([head, parts[0], text, parts[1], *self.binary])
+
+
+def blocks_of(model: Contents) -> GlbParts:
+    """A node and a mesh for each block of a model, by its number."""
+    assembly, parts = model.assembly, GlbParts()
     faces = fan_warped(assembly.faces, SAME)
     triangle, polygon = triangulate(faces.point[faces.loop], faces.start)
-    corners = faces.loop[triangle]
-    owner = faces.owner[polygon]
-    sizes = np.bincount(point_owners(faces), minlength=len(assembly))
-    first = Ragged.from_counts(sizes).start
+    corners, owner = faces.loop[triangle], faces.owner[polygon]
+    first = Ragged.from_counts(np.bincount(point_owners(faces), minlength=len(assembly))).start
     begin = np.searchsorted(owner, np.arange(len(assembly) + 1))
-    points = (faces.point @ Z_UP).astype("<f4")
-    index = (corners - first[owner][:, None]).astype("<u4")
-    views: list[dict[str, int]] = []
-    accessors: list[dict[str, Any]] = []
-    for i in range(len(assembly)):
-        mine, loops = points[first[i] : first[i + 1]], index[begin[i] : begin[i + 1]]
-        views.append({"buffer": 0, "byteOffset": 12 * int(first[i]), "byteLength": mine.nbytes})
-        views.append(
-            {
-                "buffer": 0,
-                "byteOffset": points.nbytes + 12 * int(begin[i]),
-                "byteLength": loops.nbytes,
-            }
-        )
-        accessors.append(
-            {
-                "bufferView": 2 * i,
-                "componentType": FLOAT,
-                "count": len(mine),
-                "type": "VEC3",
-                "min": mine.min(axis=0).tolist(),
-                "max": mine.max(axis=0).tolist(),
-            }
-        )
-        accessors.append(
-            {
-                "bufferView": 2 * i + 1,
-                "componentType": 5125,
-                "count": loops.size,
-                "type": "SCALAR",
-            }
-        )
-    content = {
-        "asset": {"version": "2.0", "generator": "drystone"},
-        "scene": 0,
-        "scenes": [{"nodes": list(range(len(assembly)))}],
-        "nodes": [
-            {"name": name, "mesh": i, "extras": {"drystone": _told(model, i)}}
-            for i, name in enumerate(assembly.names)
-        ],
-        "meshes": [
-            {"primitives": [{"attributes": {"POSITION": 2 * i}, "indices": 2 * i + 1}]}
-            for i in range(len(assembly))
-        ],
-        "accessors": accessors,
-        "bufferViews": views,
-        "buffers": [{"byteLength": points.nbytes + index.nbytes}],
-    }
-    return content, points.tobytes() + index.tobytes()
-
-
-def _told(model: Contents, i: int) -> dict[str, Any]:
-    block = model.assembly.blocks[i]
-    told = {"fixed": bool(model.assembly.fixed[i]), "density": block.density}
-    return told | ({"metadata": dict(block.metadata)} if block.metadata else {})
-
-
-def container(text: bytes, binary: bytes) -> bytes:
-    """A GLB file of its two parts."""
-    text += b" " * (-len(text) % 4)
-    binary += b"\0" * (-len(binary) % 4)
-    total = 12 + 8 + len(text) + 8 + len(binary)
-    return b"".join(
-        [
-            struct.pack("<3I", MAGIC, VERSION, total),
-            struct.pack("<2I", len(text), JSON),
-            text,
-            struct.pack("<2I", len(binary), BIN),
-            binary,
-        ]
-    )
+    points = faces.point @ Z_UP
+    for i, block in enumerate(assembly.blocks):
+        mine = parts.numbers(points[first[i] : first[i + 1]], bounds=True)
+        loops = parts.numbers(corners[begin[i] : begin[i + 1]].ravel() - first[i])
+        parts.add("meshes", {"primitives": [{"attributes": {"POSITION": mine}, "indices": loops}]})
+        told: dict[str, Any] = {"fixed": bool(assembly.fixed[i]), "density": block.density}
+        told |= {"metadata": dict(block.metadata)} if block.metadata else {}
+        parts.add("nodes", {"name": block.name, "mesh": i, "extras": {"drystone": told}})
+    return parts

@@ -5,18 +5,16 @@ Source: Khronos Group, glTF 2.0 Specification, 2021.
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drystone.answer.scene import Layer, LayerKind, Scene, SceneStage
 from drystone.base.arrays import SAME, Floats, Ints
 from drystone.base.files import write_bytes
 from drystone.geometry.triangulate import fan_warped, triangulate
-from drystone.io.glb import FLOAT, TRIANGLES, UNSIGNED, Z_UP, container
+from drystone.io.glb import TRIANGLES, Z_UP, GlbParts
 from drystone.results.stage import VIRTUAL
 from drystone.view.drawn_parts import (
     Triangles,
@@ -46,48 +44,17 @@ def write_glb(scene: Scene, path: Path, stage: int | None, preset: str) -> None:
         if layer.count and is_shown(layer, preset):
             made.layer(layer)
     made.animations(whole=stage is None)
-    write_bytes(path, made.file())
+    write_bytes(path, made.whole())
 
 
-class _Glb:
+class _Glb(GlbParts):
     """The parts of a file while it is made."""
 
     def __init__(self, scene: Scene, stage: SceneStage, preset: str) -> None:
+        super().__init__()
         self.scene, self.stage, self.opacity = scene, stage, PRESETS[preset].opacity
-        self.binary: list[bytes] = []
-        self.size = 0
-        self.top: dict[str, list[dict[str, Any]]] = {
-            key: [] for key in ("nodes", "meshes", "materials", "accessors", "bufferViews")
-        }
         self.roots: list[int] = []
-        self.played: list[dict[str, Any]] = []
         self.node_of = np.full(len(scene.assembly), -1, dtype=np.intp)
-
-    def add(self, table: str, entry: dict[str, Any]) -> int:
-        """The number of a new entry of a table."""
-        self.top[table].append(entry)
-        return len(self.top[table]) - 1
-
-    def numbers(self, values: NDArray[Any], *, bounds: bool = False) -> int:
-        """The accessor of an array: whole numbers, or rows of single precision."""
-        whole = values.dtype.kind in "iu"
-        array = values.astype("<u4" if whole else "<f4")
-        raw = array.tobytes()
-        place = {"buffer": 0, "byteOffset": self.size, "byteLength": len(raw)}
-        view = self.add("bufferViews", place)
-        self.binary.append(raw)
-        self.size += len(raw)
-        columns = 1 if array.ndim == 1 else array.shape[1]
-        entry: dict[str, Any] = {
-            "bufferView": view,
-            "componentType": UNSIGNED if whole else FLOAT,
-            "count": len(array),
-            "type": "SCALAR" if columns == 1 else f"VEC{columns}",
-        }
-        if bounds:
-            flat = array.reshape(len(array), -1)
-            entry |= {"min": flat.min(axis=0).tolist(), "max": flat.max(axis=0).tolist()}
-        return self.add("accessors", entry)
 
     def material(self, name: str, colour: str, opacity: float = 1.0) -> int:
         """A rough material of one colour."""
@@ -181,9 +148,10 @@ class _Glb:
         for i in np.flatnonzero(motion.any(axis=1) & (self.node_of >= 0)).tolist():
             motion = path[:, i]
             place = (self.scene.assembly.centroid[i] + motion[:, :3]) @ Z_UP
-            channels.append((i, "translation", moments, place, "LINEAR"))
-            channels.append((i, "rotation", moments, quaternions(motion[:, 3:] @ Z_UP), "LINEAR"))
-        self._play(self.stage.motion_name, channels)
+            node, turn = int(self.node_of[i]), quaternions(motion[:, 3:] @ Z_UP)
+            channels.append((node, "translation", moments, place, "LINEAR"))
+            channels.append((node, "rotation", moments, turn, "LINEAR"))
+        self.play(self.stage.motion_name, channels)
 
     def _assembly(self, stages: list[SceneStage]) -> None:
         channels = []
@@ -199,22 +167,11 @@ class _Glb:
                 out = at + motion[i, :3]
                 place = np.stack([out, out, at]) @ Z_UP
                 shown = np.repeat([[0.0], [1.0], [1.0]], 3, axis=1)
-                channels.append((i, "translation", moments, place, "LINEAR"))
-                channels.append((i, "scale", moments, shown, "STEP"))
-        self._play("Assembly", channels)
+                channels.append((int(self.node_of[i]), "translation", moments, place, "LINEAR"))
+                channels.append((int(self.node_of[i]), "scale", moments, shown, "STEP"))
+        self.play("Assembly", channels)
 
-    def _play(self, name: str, channels: list[tuple[int, str, int, Floats, str]]) -> None:
-        entry: dict[str, list[dict[str, Any]]] = {"channels": [], "samplers": []}
-        for block, path, moments, values, interpolation in channels:
-            target = {"node": int(self.node_of[block]), "path": path}
-            entry["channels"].append({"sampler": len(entry["samplers"]), "target": target})
-            entry["samplers"].append({
-                "input": moments, "output": self.numbers(values), "interpolation": interpolation
-            })  # fmt: skip
-        if channels:
-            self.played.append({"name": name, **entry})
-
-    def file(self) -> bytes:
+    def whole(self) -> bytes:
         """The whole file."""
         told = {
             "answer": self.stage.headline,
@@ -222,18 +179,8 @@ class _Glb:
             "made": self.scene.made,
         }
         facts = {**self.scene.facts, **self.stage.facts, **told}
-        content: dict[str, Any] = {
-            "asset": {"version": "2.0", "generator": "drystone", "extras": {"drystone": facts}},
-            "extensionsUsed": ["KHR_materials_unlit"],
-            "scene": 0,
-            "scenes": [{"name": self.scene.title, "nodes": self.roots}],
-            **self.top,
-            "buffers": [{"byteLength": self.size}],
-        }
-        if self.played:
-            content["animations"] = self.played
-        text = json.dumps(content, separators=(",", ":"), allow_nan=False).encode()
-        return container(text, b"".join(self.binary))
+        scene = {"name": self.scene.title, "nodes": self.roots}
+        return self.file(scene, facts, extensionsUsed=["KHR_materials_unlit"])
 
 
 def _solids(layer: Layer, scene: Scene) -> Triangles:
