@@ -199,9 +199,7 @@ def normal_force_by_strength(contacts: Contacts, normal: Floats) -> tuple[Floats
     finite = np.flatnonzero(contacts.crushes)
     if not len(finite) or contacts.capacity is None:
         return use, excess
-    loops, corner = contacts.corners.take(finite)
-    away = contacts.point[corner] - loops.spread(contacts.centroid[finite])
-    flat = np.einsum("kij,kj->ki", loops.spread(contacts.frame[finite, 1:]), away)
+    loops, corner, flat = contacts.flat_corners(finite)
     whole = loops.sum(normal[corner])
     pressed = whole > 0.0
     at = loops.sum(normal[corner, None] * flat) / np.where(pressed, whole, 1.0)[:, None]
@@ -309,9 +307,7 @@ def _less_crushing(contacts: Contacts, moved: Floats) -> tuple[Floats, Floats]:
     power = np.zeros(contacts.count)
     if not len(finite) or contacts.capacity is None:
         return moved, power
-    loops, corner = contacts.corners.take(finite)
-    away = contacts.point[corner] - loops.spread(contacts.centroid[finite])
-    flat = np.einsum("kij,kj->ki", loops.spread(contacts.frame[finite, 1:]), away)
+    loops, corner, flat = contacts.flat_corners(finite)
     bounded = contacts.corner_capacity[2][corner] < NO_LIMIT
     friction = np.where(bounded, 0.0, contacts.friction[contacts.interface[corner]])
     short = friction * lengths(moved[corner, 1:]) - moved[corner, 0]

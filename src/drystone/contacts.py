@@ -173,6 +173,28 @@ class Contacts(OneLine):
         """Largest block index that occurs; -1 without contacts."""
         return max(int(end.max(initial=-1)) for end in (self.block_a, self.block_b))
 
+    def require_blocks(self, count: int) -> None:
+        """Refuse contacts of other blocks than the first ``count``.
+
+        Raises
+        ------
+        InputError
+        """
+        if self.highest_block >= count:
+            raise InputError(
+                "the contacts name blocks that the assembly does not have",
+                remedy="pass the contacts that were found on this assembly",
+            )
+
+    def flat_corners(self, which: Ints) -> tuple[Ragged, Ints, Floats]:
+        """Of some interfaces (t,) the corners, their rows (l,), and places (l, 2) [m] along u, v.
+
+        Places are from the centroids.
+        """
+        loops, row = self.corners.take(which)
+        away = self.point[row] - loops.spread(self.centroid[which])
+        return loops, row, np.einsum("kij,kj->ki", loops.spread(self.frame[which, 1:]), away)
+
     @cached_property
     def corners(self) -> Ragged:
         """Which corners belong to which interface."""

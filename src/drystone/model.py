@@ -148,11 +148,7 @@ class Model(Card):
         count = len(self.assembly)
         remedy = "give the .contacts of what find_contacts found, or use Model.of(assembly)"
         of_type(self.contacts, Contacts, "the value of contacts", remedy)
-        if self.contacts.highest_block >= count:
-            raise InputError(
-                "the contacts name blocks that the assembly does not have",
-                remedy="pass the contacts that were found on this assembly",
-            )
+        self.contacts.require_blocks(count)
         object.__setattr__(self, "load", LoadCase.of(self.assembly, self.load))
         size = np.abs(self.load.wrench).max(axis=1, initial=0.0)
         odd = (size != 0.0) & ~((size >= _REPRESENTED[0]) & (size <= _REPRESENTED[1]))

@@ -63,7 +63,13 @@ def seen(assembly: Assembly, motion: Floats) -> Floats:
     return motion * enlargement(assembly, motion)
 
 
-def interface_layers(contacts: Contacts, shown: Bools | None = None) -> tuple[Layer, ...]:
+def interface_layers(
+    contacts: Contacts,
+    shown: Bools | None = None,
+    key: str = "interfaces",
+    label: str = "interfaces",
+    colour: str = "interface",
+) -> tuple[Layer, ...]:
     """The areas where blocks touch; lines and points have no area and are left out.
 
     Parameters
@@ -71,14 +77,16 @@ def interface_layers(contacts: Contacts, shown: Bools | None = None) -> tuple[La
     contacts
     shown : (m,)
         Which of them; all when left out.
+    key, label, colour
+        Of the layer.
     """
     part, interface = areas(contacts, shown)
     if part is None:
         return ()
     return (
         Layer(
-            "interfaces", "interfaces", LayerKind.POLYGONS, "interface", part.point,
-            start=part.start, interface=interface,
+            key, label, LayerKind.POLYGONS, colour, part.point, start=part.start,
+            interface=interface,
         ),
     )  # fmt: skip
 

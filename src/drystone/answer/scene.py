@@ -308,11 +308,7 @@ class Scene(OneLine):
         n, m = len(self.assembly), self.contacts.count
         if not self.stages:
             raise InputError("a scene needs a stage")
-        if m and max(self.contacts.block_a.max(), self.contacts.block_b.max()) >= n:
-            raise InputError(
-                "the contacts name blocks that the assembly does not have",
-                remedy="pass the contacts that were found on this assembly",
-            )
+        self.contacts.require_blocks(n)
         for stage in self.stages:
             for name, length in (
                 ("state", n), ("motion", n), ("prop", n), ("force", self.contacts.corner_count),

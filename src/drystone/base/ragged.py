@@ -255,6 +255,25 @@ def linked(one: Ints, other: Ints, count: int) -> Ints:
     return connected_components(graph, directed=False)[1].astype(np.intp)
 
 
+def first_linked(one: Ints, other: Ints, count: int) -> Ints:
+    """The first (count,) of the items that each of ``count`` is linked with, by pairs (p,).
+
+    Examples
+    --------
+    >>> first_linked(np.array([0, 3]), np.array([2, 2]), 4).tolist()
+    [0, 1, 0, 0]
+    """
+    first = np.arange(count, dtype=np.intp)
+    while True:  # every item takes over the number of the lowest one that it meets, and its
+        lower = first.copy()
+        np.minimum.at(lower, one, first[other])
+        np.minimum.at(lower, other, first[one])
+        lower = lower[lower]
+        if np.array_equal(lower, first):
+            return first
+        first = lower
+
+
 def sum_by_owner(values: Floats, owner: Ints, count: int) -> Floats:
     """Sums (count, d) of the rows (r, d) of each of ``count`` owners (r,), in any order."""
     columns = [np.bincount(owner, column, minlength=count) for column in values.T]

@@ -29,7 +29,6 @@ from drystone.detection.face_overlaps import (
     block_overlaps,
     joint_width,
     negligible,
-    overlaps,
     within,
 )
 from drystone.detection.interfaces import Interfaces, from_pieces, joined
@@ -37,12 +36,12 @@ from drystone.detection.misses import (
     EXPLAINED,
     Error,
     Inexact,
-    compare_with_tolerances,
+    compared,
     missed_of,
 )
 from drystone.detection.mortar_joints import join_by_mortar, join_warped
 from drystone.detection.patches import Patches
-from drystone.detection.planes import NEGLIGIBLE, planes_between, uncovered
+from drystone.detection.planes import NEGLIGIBLE, uncovered
 from drystone.detection.tolerances import LARGEST, DetectionOptions, EdgeContacts, Missed, Reason
 
 DEEPEST = 0.08
@@ -164,10 +163,7 @@ def _faces(
     a, b = np.divmod(keys, count)
     farther = replace(options, search=max(options.search, DEEPEST))
     f, g = facing_patches(patches, (a, b), farther)
-    order = np.lexsort((g, f, patches.owner[g], patches.owner[f]))
-    planes = planes_between(patches, f[order], g[order])
-    shared = overlaps(patches, planes)
-    checked = compare_with_tolerances(patches, planes, shared, options)
+    planes, shared, checked = compared(patches, f, g, options)
     pair = patches.owner[planes.f] * count + patches.owner[planes.g]
     limit = _limits(assembly, patches, keys)[np.searchsorted(keys, pair)] + checked.slack
     limit = np.maximum(limit, checked.tolerance)

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import NamedTuple
 
 import numpy as np
 
@@ -26,9 +27,10 @@ from drystone.detection.candidates import (
     reach_of_patches,
 )
 from drystone.detection.edgecontacts import edge_contacts
+from drystone.detection.face_overlaps import overlaps
 from drystone.detection.interfaces import Interfaces, angles, from_pieces, joined
 from drystone.detection.patches import Patches
-from drystone.detection.planes import NEGLIGIBLE, Pieces, Planes, gaps
+from drystone.detection.planes import NEGLIGIBLE, Pieces, Planes, gaps, planes_between
 from drystone.detection.tolerances import DetectionOptions, Missed, Reason, millimetres
 from drystone.geometry.boxes import FEW
 
@@ -63,7 +65,23 @@ class ToleranceCheck:
     too_warped: Bools
 
 
-def compare_with_tolerances(
+class Compared(NamedTuple):
+    """The planes between facing patches, their overlaps, and how these are within tolerance."""
+
+    planes: Planes
+    shared: Pieces
+    checked: ToleranceCheck
+
+
+def compared(patches: Patches, f: Ints, g: Ints, options: DetectionOptions) -> Compared:
+    """Patches (p,) that face each other, in order of their blocks, compared."""
+    order = np.lexsort((g, f, patches.owner[g], patches.owner[f]))
+    planes = planes_between(patches, f[order], g[order])
+    shared = overlaps(patches, planes)
+    return Compared(planes, shared, _checked(patches, planes, shared, options))
+
+
+def _checked(
     patches: Patches, planes: Planes, shared: Pieces, options: DetectionOptions
 ) -> ToleranceCheck:
     """Compare every overlap with the tolerances."""
@@ -349,17 +367,8 @@ class Shortfall:
     angle: float
 
 
-@dataclass(frozen=True)
-class Compared:
-    """The planes between facing patches, their overlaps, and how these are within tolerance."""
-
-    planes: Planes
-    shared: Pieces
-    checked: ToleranceCheck
-
-
 def shortfalls(
-    patches: Patches, compared: Compared, found: Interfaces, options: DetectionOptions
+    patches: Patches, all_compared: Compared, found: Interfaces, options: DetectionOptions
 ) -> tuple[Shortfall, ...]:
     """Joints of curved faces with overlaps that were not joined, on faces without other contact.
 
@@ -368,7 +377,7 @@ def shortfalls(
     found
         All interfaces, with those that the search joined beyond its tolerances.
     """
-    planes, shared, checked = compared.planes, compared.shared, compared.checked
+    planes, shared, checked = all_compared
     curved = fits(patches, planes.f, planes.g)
     if shared.count == 0 or not curved.any():
         return ()

@@ -15,15 +15,15 @@ import shapely
 
 from drystone.assembly import Assembly, Block
 from drystone.base.arrays import Bools, Floats, Ints, cross
-from drystone.base.ragged import Ragged
+from drystone.base.ragged import Ragged, first_linked
 from drystone.detection.candidates import facing_patches, near_blocks
 from drystone.detection.coplanar import EXACT
 from drystone.detection.face_contacts import face_contacts
-from drystone.detection.face_overlaps import negligible, overlaps, projections
+from drystone.detection.face_overlaps import negligible, projections
 from drystone.detection.interfaces import Interfaces, from_pieces, joined
-from drystone.detection.misses import Error, Inexact, compare_with_tolerances
+from drystone.detection.misses import Error, Inexact, compared
 from drystone.detection.patches import Patches, patches_of
-from drystone.detection.planes import NEGLIGIBLE, Pieces, Planes, planes_between, tidy, uncovered
+from drystone.detection.planes import NEGLIGIBLE, Pieces, Planes, tidy, uncovered
 from drystone.detection.tolerances import DetectionOptions, Missed, Reason
 from drystone.geometry import planar
 
@@ -45,7 +45,7 @@ def join_by_mortar(
     Only blocks that are not connected by contacts already are looked at.
     """
     count = len(patches.size)
-    label = _connected(found, count)
+    label = first_linked(found.block_a, found.block_b, count)
     if label.max(initial=0) == 0:
         return found, []
     wide = replace(options, search=max(options.search, THICKEST))
@@ -54,10 +54,7 @@ def join_by_mortar(
     if np.count_nonzero(apart) < FEWEST:
         return found, []
     f, g = facing_patches(patches, (a[apart], b[apart]), wide)
-    order = np.lexsort((g, f, patches.owner[g], patches.owner[f]))
-    planes = planes_between(patches, f[order], g[order])
-    shared = overlaps(patches, planes)
-    checked = compare_with_tolerances(patches, planes, shared, options)
+    planes, shared, checked = compared(patches, f, g, options)
     gap = Ragged(shared.start).mean(planes.gap_at(shared.corner, shared.corner_row))
     keep = ~(checked.too_steep | checked.too_warped) & ~negligible(patches, planes, shared)
     keep &= (shared.width > NEGLIGIBLE * planes.size[shared.row]) & (gap > 0.0)
@@ -93,19 +90,6 @@ def _spread(patches: Patches, planes: Planes, pieces: Pieces, by: float) -> Piec
     )
     corner, start, source = planar.pieces_of(planar.overlay(shapely.intersection, shapes, hull))
     return tidy(Pieces(corner, start, rows[source]), planes)
-
-
-def _connected(found: Interfaces, count: int) -> Ints:
-    """The first block (n,) of the connected group of each block."""
-    first = np.arange(count, dtype=np.intp)
-    while True:  # every block takes over the number of the lowest one that it touches, and its
-        lower = first.copy()
-        np.minimum.at(lower, found.block_a, first[found.block_b])
-        np.minimum.at(lower, found.block_b, first[found.block_a])
-        lower = lower[lower]
-        if np.array_equal(lower, first):
-            return first
-        first = lower
 
 
 def _one_thickness(pair: Ints, gap: Floats, touching: int) -> Bools:

@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 
 from drystone.base.arrays import Bools, Floats, Ints, dot
-from drystone.base.ragged import BATCH, Ragged, expand, sum_by_owner
+from drystone.base.ragged import BATCH, Ragged, expand, first_linked, sum_by_owner
 from drystone.geometry import boxes, clip, planar
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.halfedge import NOISE, SMOOTH
@@ -76,7 +76,7 @@ def smooth_runs(point: Floats, start: Ints, pair: Ints) -> Ints:
     if len(several):
         loops, row = Ragged(start).take(several)
         one, other = _neighbours(point[row], loops, pair[several])
-        run[several] = several[_first_connected(len(several), one, other)]
+        run[several] = several[first_linked(one, other, len(several))]
     return np.unique(run, return_inverse=True)[1].ravel().astype(np.intp)
 
 
@@ -110,7 +110,7 @@ def joined(point: Floats, start: Ints, pair: Ints, angle: float) -> JoinedFacets
     area = np.sqrt(dot(vector, vector))
     normal = vector / area[:, None]
     one, other = _neighbours(point, loops, pair)
-    run = _first_connected(len(area), one, other)
+    run = first_linked(one, other, len(area))
     turn = _turns(normal, vector, run)[0]
     curved = turn > NOISE
     if not curved.any():
@@ -122,7 +122,7 @@ def joined(point: Floats, start: Ints, pair: Ints, angle: float) -> JoinedFacets
     sliver = np.flatnonzero(into >= 0)
     inside = (band[one] == band[other]) & (into[one] < 0) & (into[other] < 0)
     joins = np.concatenate([one[inside], sliver]), np.concatenate([other[inside], into[sliver]])
-    cell = _first_connected(len(area), *joins)
+    cell = first_linked(*joins, len(area))
     return _united(point, loops, vector, cell, into < 0)
 
 
@@ -165,19 +165,6 @@ def _share_an_edge(point: Floats, loops: Ragged, one: Ints, other: Ints, reach: 
     span = np.where(np.isfinite(low), high - low, 0.0)
     long: Bools = dot(span, span) > (_LONG * np.minimum(reach[one], reach[other])) ** 2
     return long
-
-
-def _first_connected(count: int, one: Ints, other: Ints) -> Ints:
-    """The first of the facets (m,) that each is connected with."""
-    first = np.arange(count, dtype=np.intp)
-    while True:
-        lower = first.copy()
-        np.minimum.at(lower, first[one], first[other])
-        np.minimum.at(lower, first[other], first[one])
-        lower = lower[lower[first]]
-        if np.array_equal(lower, first):
-            return first
-        first = lower
 
 
 def _turns(normal: Floats, vector: Floats, group: Ints) -> tuple[Floats, Floats, Floats]:

@@ -67,11 +67,7 @@ class Loads:
 
     def __post_init__(self) -> None:
         if len(self.case) and self.acceleration is not None:
-            raise InputError(
-                "the cases of the file have their own weight",
-                where="case",
-                remedy="leave out --gravity and --density",
-            )
+            raise _two_weights()
         if self.gravity is not None and self._whole is not None:
             raise InputError("contradicts load", where="gravity", remedy="give one of them")
 
@@ -123,11 +119,7 @@ class Loads:
         whole = self.acceleration
         if len(self.case):
             if own_weight:
-                raise InputError(
-                    "the cases of the file have their own weight",
-                    where="case",
-                    remedy="leave out --gravity and --density",
-                )
+                raise _two_weights()
             total = combined(texts(self.case), cases)
         elif whole is None and base is not None:
             total = base
@@ -156,6 +148,14 @@ class Loads:
         total.refuse_turned_fill()
         told = Shaken.of(assembly, total)
         return total, [*notes, *total.notes, *([] if told is None else [told.words])]
+
+
+def _two_weights() -> InputError:
+    said, remedy = (
+        "the cases of the file have their own weight",
+        "leave out --gravity and --density",
+    )
+    return InputError(said, where="case", remedy=remedy)
 
 
 def added(given: Any, assembly: Assembly, gravity: Any = None, shaken: bool = False) -> LoadCase:

@@ -173,16 +173,11 @@ class _Handler(BaseHTTPRequestHandler):
                                   "calls": {**calls, "files": []}})  # fmt: skip
         elif parts.path.startswith("/model/"):
             number = parts.path.removeprefix("/model/")
-            known = number.isdecimal() and len(number) < _DIGITS
-            kept = self.server.desk.models.get(int(number)) if known else None
-            if kept is None:
-                raise Refusal(404, "there is no such model any more", "load the page again")
+            kept = self._kept(int(number) if number.isdecimal() and len(number) < _DIGITS else -1)
             text = json.dumps({"facts": kept.facts, "scene": kept.scene}, allow_nan=False)
             self._send(200, text, "application/json")
         else:
-            raise Refusal(
-                404, "there is nothing at this address", "see docs/reference/json-interface.md"
-            )
+            raise _nothing()
 
     def _post(self) -> None:
         self.server.guard.admit(self.headers)  # type: ignore[arg-type]
@@ -200,9 +195,7 @@ class _Handler(BaseHTTPRequestHandler):
             self._send(status, text, "application/json")
             return
         if not path.startswith("/live/"):
-            raise Refusal(
-                404, "there is nothing at this address", "see docs/reference/json-interface.md"
-            )
+            raise _nothing()
         asked = sent(self._body(WISH))
         if path == "/live/wish":
             desk.wish(asked.window, asked.number, asked.model, asked.wish)
@@ -214,14 +207,18 @@ class _Handler(BaseHTTPRequestHandler):
             self._send_json(200, self._lines(asked))
             return
         else:
-            raise Refusal(404, "there is nothing at this address")
+            raise _nothing()
         self._send_json(202, {"number": asked.number})
 
-    def _lines(self, asked: Sent) -> dict[str, Any]:
-        desk = self.server.desk
-        kept = desk.models.get(asked.model)
+    def _kept(self, number: int) -> Any:
+        """A model that the page knows by its number."""
+        kept = self.server.desk.models.get(number)
         if kept is None:
             raise Refusal(404, "there is no such model any more", "load the page again")
+        return kept
+
+    def _lines(self, asked: Sent) -> dict[str, Any]:
+        desk, kept = self.server.desk, self._kept(asked.model)
         lines = python_lines(desk.file.name, desk.how, asked.wish, kept.facts)
         if asked.extra.get("saved"):  # a model with everything in it that the page shows
             whole = python_lines(str(asked.extra["saved"]), {}, {}, {**kept.facts, "moves": bool(
@@ -307,6 +304,11 @@ class _Handler(BaseHTTPRequestHandler):
 
     def _send_json(self, status: int, value: Any) -> None:
         self._send(status, json.dumps(value, allow_nan=False), "application/json")
+
+
+def _nothing() -> Refusal:
+    where = "see docs/reference/json-interface.md"
+    return Refusal(404, "there is nothing at this address", where)
 
 
 def _refuse(connection: socket.socket, status: int, what: str, remedy: str) -> None:

@@ -360,6 +360,21 @@ class LoadCase(OneLine):
                 "fill weighs along -z, and gravity is turned", where="load", remedy=remedy
             )
 
+    def require_prescribed(self, assembly: Assembly) -> None:
+        """Refuse motions of blocks that are not fixed.
+
+        Raises
+        ------
+        InputError
+        """
+        if self.motion is None:
+            return
+        for i in np.flatnonzero(self.motion.any(axis=1) & ~assembly.fixed):
+            raise InputError(
+                f"block '{assembly.names[i]}' is not fixed, so its motion is not prescribed",
+                remedy="move a support, or load the block",
+            )
+
     @property
     def beside_masses(self) -> LoadCase:
         """The same without the masses that blocks carry, and their forces."""

@@ -5,10 +5,12 @@ from __future__ import annotations
 from contextlib import suppress
 from pathlib import Path
 
-from drystone.base.errors import InputError, require
+from drystone.base.errors import require
+from drystone.base.settings import checked_call
 from drystone.mcp.folder import Folder
 
 
+@checked_call
 def serve(folder: str | Path, *, time_limit: float = 50.0, size_limit: float = 16.0) -> None:
     """Answer the calls of one client over standard input and output.
 
@@ -18,9 +20,9 @@ def serve(folder: str | Path, *, time_limit: float = 50.0, size_limit: float = 1
     ----------
     folder
         The only folder that files are read from.
-    time_limit : [s]
+    time_limit : [s] > 0, < inf
         Time for one call; clients of the protocol often wait for 60 s.
-    size_limit : [MiB]
+    size_limit : [MiB] > 0, < inf
         Size of one model: by default about 50,000 blocks of six faces in our JSON.
 
     Raises
@@ -30,9 +32,6 @@ def serve(folder: str | Path, *, time_limit: float = 50.0, size_limit: float = 1
     MissingDependency
         The package ``mcp`` is not installed.
     """
-    for name, value in (("time_limit", time_limit), ("size_limit", size_limit)):
-        if not 0.0 < value < float("inf"):
-            raise InputError(f"is {value}", where=name, remedy="give a number above zero")
     models = Folder.of(folder, size_limit)
     require("mcp", "mcp", "the server")
     from drystone.mcp.tools import build  # needs the package

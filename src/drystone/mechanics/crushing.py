@@ -52,9 +52,7 @@ class Crushing:
         finite = np.flatnonzero(contacts.crushes)
         if not len(finite) or contacts.capacity is None:
             return None
-        loops, corner = contacts.corners.take(finite)
-        away = contacts.point[corner] - loops.spread(contacts.centroid[finite])
-        flat = np.einsum("kij,kj->ki", loops.spread(contacts.frame[finite, 1:]), away)
+        loops, corner, flat = contacts.flat_corners(finite)
         area = contacts.area[finite]
         flat /= loops.spread(np.sqrt(np.where(area > 0.0, area, 1.0)))[:, None]
         strength = contacts.capacity.compression[finite] / force_unit

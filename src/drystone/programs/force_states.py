@@ -10,8 +10,8 @@ from typing import Any, Literal, Unpack
 import numpy as np
 
 from drystone import virtual
-from drystone.answer import Answer, Layer, LayerKind, Role, Scene, Sentence, Verdict
-from drystone.answer.drawing import areas, interface_layers
+from drystone.answer import Answer, Layer, Role, Scene, Sentence, Verdict
+from drystone.answer.drawing import interface_layers
 from drystone.base.arrays import Bools, Floats, Ints, lengths
 from drystone.base.declared import Offered
 from drystone.base.errors import InputError, counted, located
@@ -33,6 +33,10 @@ from drystone.programs.rbe import RBEOptions, solve_rbe
 from drystone.results import Result
 
 _ALONE = "Compression alone balances the loads"
+
+
+_VIRTUAL = ("virtual", "virtual interfaces", "kern")
+"""Key, label and colour of the layer of reduced joints."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -197,7 +201,7 @@ class Forces(Answer):
             stage,
             layers=(
                 *interface_layers(self.real),
-                *(self._coloured("virtual", "virtual interfaces", "kern", None) if reduced else ()),
+                *(interface_layers(self.contacts, None, *_VIRTUAL) if reduced else ()),
                 *self._by_threshold(),
                 *own,
             ),
@@ -211,22 +215,9 @@ class Forces(Answer):
         over = np.isin(self.contacts.joint, self._over)
         told = f"friction {self.threshold:g}"
         return (
-            *self._coloured("within", f"within {told}", "missed", ~over),
-            *self._coloured("beyond", f"beyond {told}", "help", over),
+            *interface_layers(self.contacts, ~over, "within", f"within {told}", "missed"),
+            *interface_layers(self.contacts, over, "beyond", f"beyond {told}", "help"),
         )
-
-    def _coloured(
-        self, key: str, label: str, colour: str, which: Bools | None
-    ) -> tuple[Layer, ...]:
-        part, interface = areas(self.contacts, which)
-        if part is None:
-            return ()
-        return (
-            Layer(
-                key, label, LayerKind.POLYGONS, colour, part.point, start=part.start,
-                interface=interface,
-            ),
-        )  # fmt: skip
 
     def numbers(self) -> Mapping[str, Any]:
         """The form, tension and friction in all, and how well the conditions are met."""

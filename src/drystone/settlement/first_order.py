@@ -415,11 +415,7 @@ def _case(assembly: Assembly, motion: Mapping[int | str, Any] | None, load: Load
         case = case + LoadCase.settlement(assembly, block, given)
     if case.motion is None:
         raise InputError("no support moves", remedy="give a motion")
-    for i in np.flatnonzero(case.motion.any(axis=1) & ~assembly.fixed):
-        raise InputError(
-            f"block '{assembly.names[i]}' is not fixed, so its motion is not prescribed",
-            remedy="move a support, or load the block",
-        )
+    case.require_prescribed(assembly)
     return case
 
 

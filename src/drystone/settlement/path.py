@@ -16,7 +16,6 @@ import numpy as np
 
 from drystone.assembly import Assembly
 from drystone.base.arrays import Floats, Ints, lengths
-from drystone.base.errors import InputError
 from drystone.base.progress import Clock
 from drystone.checks import FORCE_TOLERANCE
 from drystone.contacts import Contacts
@@ -154,11 +153,7 @@ def support_motion(model: Model, motion: Mapping[int | str, Any] | None) -> Floa
         case = model.with_load(sum(moved, case)).load  # refused where it cannot be calculated with
     if case.motion is None:
         return None
-    for i in np.flatnonzero(case.motion.any(axis=1) & ~assembly.fixed):
-        raise InputError(
-            f"block '{assembly.names[i]}' is not fixed, so its motion is not prescribed",
-            remedy="move a support, or load the block",
-        )
+    case.require_prescribed(assembly)
     return case.motion
 
 
