@@ -140,8 +140,26 @@ class Answer(OfModel, OneLine, ABC):
         )
 
 
+class WithoutModel(Answer):
+    """An answer that is about no model, or about several."""
+
+    @property
+    def model(self) -> NoReturn:
+        """Refuse: it has none."""
+        raise InputError("has no model", where=self.title, remedy="ask what it is about")
+
+    def layers(self) -> NoReturn:
+        """Refuse: it has no picture."""
+        raise InputError("has no picture", where=self.title, remedy="draw what it is about")
+
+    @cached_property
+    def asked(self) -> Question:
+        """The version and the date."""
+        return Question.of_nothing(self.options, self.when)
+
+
 @dataclass(frozen=True, eq=False)
-class Statement(Answer):
+class Statement(WithoutModel):
     """Sentences, tables and values, without a model and without a picture.
 
     Attributes
@@ -169,23 +187,9 @@ class Statement(Answer):
         """Those that it was made of."""
         return self.listed
 
-    def layers(self) -> NoReturn:
-        """Refuse: it has no picture."""
-        raise InputError("has no picture", where=self.title, remedy="draw what it is about")
-
     def numbers(self) -> Mapping[str, Any]:
         """The values that it was made of."""
         return self.values
-
-    @property
-    def model(self) -> NoReturn:
-        """Refuse: it has none."""
-        raise InputError("has no model", where=self.title, remedy="ask what it is about")
-
-    @cached_property
-    def asked(self) -> Question:
-        """The version and the date."""
-        return Question.of_nothing(self.options, self.when)
 
 
 def worst_first(answers: Iterable[Answer]) -> list[Answer]:

@@ -244,6 +244,24 @@ class SceneStage(OneLine):
     layers: tuple[Layer, ...] = ()
     spot: tuple[float, float] | None = None
 
+    def require_rows(self, n: int, contacts: Contacts) -> None:
+        """Refuse values of another number of blocks, interfaces or corners.
+
+        Raises
+        ------
+        InputError
+        """
+        m = contacts.count
+        for name, length in (
+            ("state", n), ("motion", n), ("prop", n), ("force", contacts.corner_count),
+            ("normal", m), ("tangential", m), ("utilisation", m), ("pressure_centre", m),
+        ):  # fmt: skip
+            value = getattr(self, name)
+            if value is not None and len(value) != length:
+                raise InputError(f"stage '{self.label}': {name} has not {length} rows")
+        if self.path is not None and (self.motion is None or self.path.shape[1:] != (n, 6)):
+            raise InputError(f"stage '{self.label}': its path has no motion, or another shape")
+
 
 def _about(stage: SceneStage, moved: Floats) -> SceneStage:
     """The stage with its motions about other places than centroids, by (n, 3) [m]."""
@@ -305,20 +323,12 @@ class Scene(OneLine):
     section: tuple[int, float] | None = None
 
     def __post_init__(self) -> None:
-        n, m = len(self.assembly), self.contacts.count
+        n = len(self.assembly)
         if not self.stages:
             raise InputError("a scene needs a stage")
         self.contacts.require_blocks(n)
         for stage in self.stages:
-            for name, length in (
-                ("state", n), ("motion", n), ("prop", n), ("force", self.contacts.corner_count),
-                ("normal", m), ("tangential", m), ("utilisation", m), ("pressure_centre", m),
-            ):  # fmt: skip
-                value = getattr(stage, name)
-                if value is not None and len(value) != length:
-                    raise InputError(f"stage '{stage.label}': {name} has not {length} rows")
-            if stage.path is not None and (stage.motion is None or stage.path.shape[1:] != (n, 6)):
-                raise InputError(f"stage '{stage.label}': its path has no motion, or another shape")
+            stage.require_rows(n, self.contacts)
         shown = with_thin_ground(self.assembly)
         if shown is not self.assembly:
             lower = shown.centroid - self.assembly.centroid

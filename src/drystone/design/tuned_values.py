@@ -8,12 +8,12 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from drystone.answer import Answer, Question, Role, Scene, Sentence
+from drystone.answer import Role, Sentence
+from drystone.answer.answer import WithoutModel
 from drystone.answer.chart import Chart, MarkKind, Marks
 from drystone.base.arrays import number
 from drystone.base.display import OneLine
@@ -95,7 +95,7 @@ class TuneTrial(OneLine):
 
 
 @dataclass(frozen=True, eq=False)
-class Tuned(Answer):
+class Tuned(WithoutModel):
     """All trials of a search.
 
     Attributes
@@ -135,21 +135,6 @@ class Tuned(Answer):
         )  # fmt: skip
 
     @property
-    def model(self) -> Model:
-        """There is none.
-
-        Raises
-        ------
-        InputError
-        """
-        raise InputError("a search has no model", remedy="build one of its front")
-
-    @cached_property
-    def asked(self) -> Question:
-        """The version, and when."""
-        return Question.of_nothing(made=self.when)
-
-    @property
     def title(self) -> str:
         """How many were tried, and stand."""
         return self._summary()
@@ -178,15 +163,6 @@ class Tuned(Answer):
             "front": self.front,
             "trials": self.trials,
         }
-
-    def layers(self) -> Scene:
-        """There is none.
-
-        Raises
-        ------
-        InputError
-        """
-        raise InputError("a search has no drawing of blocks", remedy="see its figure")
 
     def figure(self) -> Chart:
         """All trials: the first two goals against each other, or one goal by the trial."""

@@ -381,14 +381,10 @@ class Film(Answer):
 
     def tables(self) -> Sequence[Table]:
         """Where every block is at the end."""
-        return [self.table()]
-
-    def table(self) -> Table:
-        """Where every block is at the end."""
         last = self.positions[-1]
         columns: dict[str, Any] = {"block": list(self.assembly.names), "fell": self.fell}
         columns |= {"move": last[:, :3], "turn": last[:, 3:]}
-        return Table("blocks", columns, {"move": "m", "turn": "rad"})
+        return [Table("blocks", columns, {"move": "m", "turn": "rad"})]
 
     def numbers(self) -> Mapping[str, Any]:
         """How long it is, and what fell."""

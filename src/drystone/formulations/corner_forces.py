@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import enum
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -180,48 +181,20 @@ def add_contact_rows(
         length = [(unknowns.length, np.ones(1))]
         around = replace(cone, circumscribed=True)
         _bounded(program, "length of friction", unknowns.force, one, np.ones(k), length, around)
-    bearing, cohesion = unknowns.bearing, statics.cohesion
-    holds = cohesion < UNLIMITED
-    rows = one[holds]
-    _bounded(
-        program,
-        "friction",
-        unknowns.force,
-        rows,
-        at_corner[holds],
-        bearing,
-        cone,
-        constant=cohesion[holds],
-    )
-    limited = statics.shear < UNLIMITED
+    cohesion = statics.cohesion
+    bound = partial(_bounded, program, force=unknowns.force, bound=unknowns.bearing, cone=cone)
+    holds, limited = cohesion < UNLIMITED, statics.shear < UNLIMITED
+    bound("friction", sums=one[holds], coefficient=at_corner[holds], constant=cohesion[holds])
     if limited.any():
-        rows, most = one[limited], statics.shear[limited]
-        _bounded(
-            program,
-            "shear",
-            unknowns.force,
-            rows,
-            np.zeros(len(most)),
-            bearing,
-            cone,
-            constant=most,
-        )
+        most = statics.shear[limited]
+        bound("shear", sums=one[limited], coefficient=np.zeros(len(most)), constant=most)
     if cone.local is not None and k:
         joints, first = np.unique(statics.interface, return_index=True)
         row = np.searchsorted(joints, statics.interface)
         together = sparse.csr_matrix((np.ones(k), (row, np.arange(k))), shape=(len(joints), k))
-        whole = statics.friction[first]
-        sums = np.bincount(row, cohesion, minlength=len(joints)).astype(np.float64)
-        _bounded(
-            program,
-            "friction of joints",
-            unknowns.force,
-            together,
-            whole,
-            bearing,
-            cone,
-            constant=sums,
-        )
+        whole = np.bincount(row, cohesion, minlength=len(joints)).astype(np.float64)
+        friction = statics.friction[first]
+        bound("friction of joints", sums=together, coefficient=friction, constant=whole)
 
 
 def _within_strength(

@@ -335,19 +335,12 @@ class AssemblyEnv(gymnasium.Env):  # type: ignore[misc]  # gymnasium is not ther
         return self.site.action(chosen)
 
     def _told(self, outcome: PlacedBlock) -> dict[str, Any]:
-        answer, n = outcome.answer, len(self.structure.model)
-        falling = np.zeros(n, dtype=bool)
-        if answer is None:
-            return {
-                "verdict": "",
-                "friction_left": 0.0,
-                "falling": falling,
-                "failed": outcome.failed,
-            }
-        falling[list(answer.falling)] = True
+        answer = outcome.answer
+        falling = np.zeros(len(self.structure.model), dtype=bool)
+        falling[[] if answer is None else list(answer.falling)] = True
         return {
-            "verdict": answer.verdict.value,
-            "friction_left": answer.friction_left,
+            "verdict": "" if answer is None else answer.verdict.value,
+            "friction_left": 0.0 if answer is None else answer.friction_left,
             "falling": falling,
             "failed": outcome.failed,
         }

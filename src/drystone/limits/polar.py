@@ -136,16 +136,12 @@ class TiltSweep(Answer):
 
     def tables(self) -> Sequence[Table]:
         """The limits by direction."""
-        return [self.table()]
-
-    def table(self) -> Table:
-        """The limits by direction."""
         columns = {"azimuth": self.azimuth, "equilibrium": self.equilibrium, "rest": self.rest}
         units = dict.fromkeys(columns, "deg")
         remarks = ["; ".join(limit.remarks) for limit in self.limits]
         more = {"joints_decide": remarks} if any(remarks) else {}
         bounds = {"equilibrium": False, "rest": False}
-        return Table("tilt by direction", {**columns, **more}, units, bounds)
+        return [Table("tilt by direction", {**columns, **more}, units, bounds)]
 
     def numbers(self) -> Mapping[str, Any]:
         """The limit in each direction."""

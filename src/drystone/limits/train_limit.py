@@ -343,17 +343,13 @@ class TrainEnvelope(Answer):
 
     def tables(self) -> Sequence[Table]:
         """The factors by place."""
-        return [self.table()]
-
-    def table(self) -> Table:
-        """The factors by place."""
         columns = {
             "place": self.places,
             "load_factor": self.factors,
             "carries": list(self.carries),
         }
-        return Table(f"load factor by place{self._ductile}", columns, {"place": "m"},
-                     {"load_factor": False})  # fmt: skip
+        return [Table(f"load factor by place{self._ductile}", columns, {"place": "m"},
+                     {"load_factor": False})]  # fmt: skip
 
     def numbers(self) -> Mapping[str, Any]:
         """Places, factors, the worst one, the train and the fill."""

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Unpack
+from typing import Any, Unpack
 
 import numpy as np
 
+from drystone.base.arrays import Floats
 from drystone.base.errors import InputError
 from drystone.base.progress import Clock
 from drystone.base.settings import Options, checked_call
@@ -292,22 +293,31 @@ def _answer(model: Model, chosen: RBEOptions, clock: Clock) -> Result:
                 message += f"; {clock.reason} before the tension that it needs was known"
             elif chosen.rule is FrictionRule.NET:
                 message += "; friction on the net normal force cannot balance them with tension"
+    raw, known = solution.raw, {"force": force, "tension": tension, "residuals": residuals}
+    return _result(
+        problem, chosen, clock, verdict, message, mechanism, raw.iterations, raw.solver,
+        stopped=clock.reason, **known,
+    )  # fmt: skip
+
+
+def _result(
+    problem: Problem,
+    options: RBEOptions,
+    clock: Clock,
+    verdict: Verdict,
+    message: str,
+    mechanism: Floats | None,
+    iterations: int,
+    solver: str,
+    **found: Any,
+) -> Result:
+    """The result; what falls is what its mechanism moves."""
+    falling = moving_blocks(problem.model.assembly, mechanism)
     return Result(
-        method="rbe",
-        verdict=verdict,
-        model=problem.model,
-        message=message,
-        force=force,
-        tension=tension,
-        mechanism=mechanism,
-        falling=moving_blocks(problem.model.assembly, mechanism),
-        residuals=residuals,
-        stopped=clock.reason,
-        options=chosen,
-        solver=solution.raw.solver,
-        iterations=solution.raw.iterations,
-        time_s={"solve": clock.elapsed_s},
-    )
+        "rbe", verdict, problem.model, message, mechanism=mechanism, falling=falling,
+        options=options, solver=solver, iterations=iterations, time_s={"solve": clock.elapsed_s},
+        **found,
+    )  # fmt: skip
 
 
 def _within_strength(problem: Problem, options: RBEOptions, clock: Clock) -> Result:
@@ -319,21 +329,11 @@ def _within_strength(problem: Problem, options: RBEOptions, clock: Clock) -> Res
     elif found.mechanism is not None:
         verdict = Verdict.UNSTABLE
         message = crushing_words(problem.model, found.share, found.mechanism)
-    return Result(
-        method="rbe",
-        verdict=verdict,
-        model=problem.model,
-        message=message,
-        force=found.force,
-        mechanism=found.mechanism,
-        falling=moving_blocks(problem.model.assembly, found.mechanism),
-        residuals=None if found.force is None else found.residuals,
-        stopped=clock.reason,
-        options=options,
-        solver="load factor within the strength by interior points",
-        iterations=found.iterations,
-        time_s={"solve": clock.elapsed_s},
-    )
+    return _result(
+        problem, options, clock, verdict, message, found.mechanism, found.iterations,
+        "load factor within the strength by interior points", stopped=clock.reason,
+        force=found.force, residuals=None if found.force is None else found.residuals,
+    )  # fmt: skip
 
 
 def _nearest(problem: Problem, options: RBEOptions, clock: Clock) -> Result | None:
@@ -353,18 +353,10 @@ def _nearest(problem: Problem, options: RBEOptions, clock: Clock) -> Result | No
             residuals = check_forces(problem.model, force)
     if mechanism is None and force is None:
         return None
-    falls = mechanism is not None
-    return Result(
-        method="rbe",
-        verdict=Verdict.UNSTABLE if falls else Verdict.EQUILIBRIUM_EXISTS,
-        model=problem.model,
-        message=UNBALANCED if falls else BALANCED,
-        force=force,
-        mechanism=mechanism,
-        falling=moving_blocks(problem.model.assembly, mechanism),
-        residuals=residuals,
-        options=options,
-        solver=NEAREST,
-        iterations=found.iterations,
-        time_s={"solve": clock.elapsed_s},
-    )
+    verdict, message = Verdict.UNSTABLE, UNBALANCED
+    if mechanism is None:
+        verdict, message = Verdict.EQUILIBRIUM_EXISTS, BALANCED
+    return _result(
+        problem, options, clock, verdict, message, mechanism, found.iterations, NEAREST,
+        force=force, residuals=residuals,
+    )  # fmt: skip

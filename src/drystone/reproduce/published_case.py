@@ -122,10 +122,6 @@ class Case(Answer):
         return [Sentence(agreement([self]), Role.GOOD if self.agrees else Role.BAD), *alone]
 
     def tables(self) -> Sequence[Table]:
-        """The lines."""
-        return [self.table()]
-
-    def table(self) -> Table:
         """The lines as a table."""
         agrees = {True: "yes", False: "no", None: "not compared"}
         columns = {
@@ -135,7 +131,7 @@ class Case(Answer):
             "agrees": [agrees[line.agrees] for line in self.lines],
             "note": [line.note for line in self.lines],
         }
-        return Table(self.title, columns)
+        return [Table(self.title, columns)]
 
     def layers(self) -> Scene:
         """The first picture."""

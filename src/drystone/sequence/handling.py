@@ -231,10 +231,6 @@ class Handling(Answer):
         told = [*self.notes, *(["less than the forces of the holds may do"] if self.holds else [])]
         return [Sentence(self.title, role), *(Sentence(one, Role.REMARK) for one in told)]
 
-    def tables(self) -> Sequence[Table]:
-        """The placements."""
-        return [self.table()]
-
     def layers(self) -> Scene:
         """The stages of the plan, with the robots."""
         rules = replace(self.plan.rules, robots=self.robots)
@@ -286,7 +282,7 @@ class Handling(Answer):
             "notes": list(self.notes),
         }
 
-    def table(self) -> Table:
+    def tables(self) -> Sequence[Table]:
         """A row per placement: robot, mass, position, path, grips, hold, props and margins."""
         held = {one.name: (one, " ".join(self.props_during(one))) for one in self.holds}
         rows = [
@@ -300,7 +296,7 @@ class Handling(Answer):
         columns = {key: [row[key] for row in rows] for key in rows[0]} if rows else {"step": []}
         units = dict.fromkeys(("reach_left", "at", "grip"), "m")
         units |= {"mass": "kg", "hold": "N", "tilt": "deg"}
-        return Table("handling", columns, {key: units[key] for key in columns if key in units})
+        return [Table("handling", columns, {key: units[key] for key in columns if key in units})]
 
     def save_json(self, path: PathLike) -> None:
         """Write everything as JSON, to a temporary name beside it that is then renamed."""

@@ -264,10 +264,6 @@ class FrictionSweep(Answer):
             said.append(Sentence(f"friction {value:g}: {words}{f' ({why})' if why else ''}"))
         return said
 
-    def tables(self) -> Sequence[Table]:
-        """Counts at each coefficient."""
-        return [self.table()]
-
     def numbers(self) -> Mapping[str, Any]:
         """The plan at each coefficient."""
         return {"plans": [plan.numbers() for plan in self.plans]}
@@ -276,7 +272,7 @@ class FrictionSweep(Answer):
         """The plan at the largest coefficient."""
         return self.plans[-1].layers()
 
-    def table(self) -> Table:
+    def tables(self) -> Sequence[Table]:
         """Counts at each coefficient; None where the complete structure does not stand."""
         counts = [plan.counts if plan.steps else {} for plan in self.plans]
         columns = {
@@ -285,7 +281,7 @@ class FrictionSweep(Answer):
             **{kind: [one.get(kind) for one in counts] for kind in ("free", "held", "propped")},
             "why_more": self.why_more,
         }
-        return Table("plans by friction", columns)
+        return [Table("plans by friction", columns)]
 
 
 @checked_call
