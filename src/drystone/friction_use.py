@@ -57,7 +57,7 @@ def twisted(contacts: Contacts, resultants: Resultants) -> Bools:
     normal = resultants.normal
     bound = np.maximum(bearable(contacts, normal), 0.0)
     turned: Bools = np.abs(resultants.torque) > TWISTED * np.sqrt(contacts.area) * bound
-    turned &= normal > ROUNDING * max(float(normal.max(initial=0.0)), 1e-300)
+    turned &= resultants.loaded
     turned &= contacts.dry & (contacts.area > 0.0) & (bound > 0.0)
     return turned
 

@@ -80,6 +80,11 @@ class Resultants(OneLine):
     normal: Floats
     tangential: Floats
 
+    @property
+    def loaded(self) -> Bools:
+        """(m,) which press, beyond rounding."""
+        return self.normal > ROUNDING * max(float(self.normal.max(initial=0.0)), 1e-300)
+
     def _summary(self) -> str:
         largest = float(self.normal.max(initial=0.0))
         return f"{counted(len(self.normal), 'interface')}, largest normal force {largest:.3g} N"
@@ -284,12 +289,16 @@ def thrust_line(
 
 def hinged(contacts: Contacts, resultants: Resultants) -> Bools:
     """Whether each joint (m,) is a hinge: it has an area, and its resultant acts on the rim."""
+    rim, area = eccentricity(contacts, resultants)
+    out: Bools = resultants.loaded & (area > 0.0) & (rim > HINGED)
+    return out
+
+
+def eccentricity(contacts: Contacts, resultants: Resultants) -> tuple[Floats, Floats]:
+    """How far (m,) each resultant is from the centroid, by the rim, and the areas (m,) [m2]."""
     origin, corners, made = joint_sections(contacts)
     at = np.einsum("mij,mj->mi", contacts.frame[:, 1:], resultants.position - origin)
-    loaded = resultants.normal > ROUNDING * max(float(resultants.normal.max(initial=0.0)), 1e-300)
-    out: Bools = loaded & (made.area > 0.0)
-    out &= edge_ratio(made, corners, contacts.start, at) > HINGED
-    return out
+    return edge_ratio(made, corners, contacts.start, at), made.area
 
 
 def on_an_edge(
@@ -311,12 +320,9 @@ def on_an_edge(
     within
         Distance from a rim, by that of the rim from the centroid, that counts as none.
     """
-    origin, corners, made = joint_sections(contacts)
-    at = np.einsum("mij,mj->mi", contacts.frame[:, 1:], resultants.position - origin)
-    loaded = resultants.normal > ROUNDING * max(float(resultants.normal.max(initial=0.0)), 1e-300)
+    rim, area = eccentricity(contacts, resultants)
     # of what has no area all is rim: an edge or a corner that a block stands on
-    rim = (made.area <= 0.0) | (edge_ratio(made, corners, contacts.start, at) > 1.0 - within)
-    at_rim = np.flatnonzero(loaded & rim)
+    at_rim = np.flatnonzero(resultants.loaded & ((area <= 0.0) | (rim > 1.0 - within)))
     ends = np.stack([contacts.block_a[at_rim], contacts.block_b[at_rim]], axis=1)
     loose = ~_held_without(assembly, contacts, at_rim)  # by one of them, or by several
     at_rim, ends = at_rim[loose[ends].any(axis=1)], ends[loose[ends].any(axis=1)]
@@ -460,8 +466,7 @@ def force_network(assembly: Assembly, contacts: Contacts, resultants: Resultants
     [1.333, 1.333, 2.5]
     """
     normal = resultants.normal
-    loaded = normal > ROUNDING * max(float(normal.max(initial=0.0)), 1e-300)
-    pressed = np.flatnonzero(loaded & ~contacts.ties)
+    pressed = np.flatnonzero(resultants.loaded & ~contacts.ties)
     block = np.concatenate([contacts.block_a[pressed], contacts.block_b[pressed]])
     interface = np.concatenate([pressed, pressed])
     free = ~assembly.fixed[block]

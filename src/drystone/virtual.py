@@ -58,7 +58,7 @@ def shrink(contacts: Contacts, factor: float, interfaces: _Choice = None) -> Con
     Parameters
     ----------
     contacts
-    factor
+    factor : >= 0, <= 1
         From 0 (a point) to 1 (unchanged).
     interfaces
         Which; all when left out.
@@ -68,9 +68,8 @@ def shrink(contacts: Contacts, factor: float, interfaces: _Choice = None) -> Con
     InputError
         The factor is outside 0 to 1, or an interface does not exist.
     """
-    scale = _factor(factor)
     centre = section_centroids(contacts)[contacts.interface]
-    return _reshaped(contacts, centre + scale * (contacts.point - centre), interfaces)
+    return _reshaped(contacts, centre + factor * (contacts.point - centre), interfaces)
 
 
 def shift(
@@ -83,7 +82,7 @@ def shift(
     contacts
     direction : (3,) or (m, 3)
         One for all, or one for each interface; its component in the plane of the interface counts.
-    factor
+    factor : >= 0, <= 1
         Remaining share of the extent along the direction: 0 keeps only the edge.
     interfaces
         Which; all when left out.
@@ -93,7 +92,6 @@ def shift(
     InputError
         A direction is normal to one of the chosen interfaces.
     """
-    scale = _factor(factor)
     mask = _mask(contacts, interfaces)
     given = np.asarray(direction, dtype=np.float64)
     if given.ndim == 1:
@@ -112,7 +110,7 @@ def shift(
     plane /= np.where(length > 0.0, length, 1.0)[:, None]
     along = dot(contacts.point, plane[contacts.interface])
     far = contacts.corners.spread(contacts.corners.max(along))
-    moved = contacts.point + ((1.0 - scale) * (far - along))[:, None] * plane[contacts.interface]
+    moved = contacts.point + ((1.0 - factor) * (far - along))[:, None] * plane[contacts.interface]
     return _reshaped(contacts, moved, mask)
 
 
@@ -128,7 +126,7 @@ def towards_extrados(
         A point on the axis.
     axis : (3,) or None
         Along the axis of an arch or a barrel; ``None`` for a dome, which curves about a point.
-    factor
+    factor : >= 0, <= 1
     interfaces
     """
     return shift(contacts, _outwards(contacts, centre, axis), factor, interfaces)
@@ -165,13 +163,6 @@ def _outwards(contacts: Contacts, centre: Any, axis: Any) -> Floats:
         return away
     along = unit(axis, "axis")
     return away - (away @ along)[:, None] * along
-
-
-def _factor(factor: float) -> float:
-    value = float(factor)
-    if not 0.0 <= value <= 1.0:
-        raise InputError(f"factor is {value}", remedy="give a number from 0 to 1")
-    return value
 
 
 def _mask(contacts: Contacts, interfaces: _Choice) -> Bools:

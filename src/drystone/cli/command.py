@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import MISSING, fields, is_dataclass
 from functools import cached_property, partial
 from importlib import import_module
+from operator import itemgetter
 from typing import TYPE_CHECKING, Annotated, Any, get_args, get_origin, get_type_hints
 
 import click
@@ -188,16 +189,12 @@ def parts_of(known: Mapping[str, tuple[Any, Any]]) -> list[Part]:
             parts.append(Part(name, params, partial(_instance, kind, inner)))
         else:
             param = param_of(name, hint, default)
-            parts.append(Part(name, [param], partial(_itself, name)))
+            parts.append(Part(name, [param], itemgetter(name)))
     return parts
 
 
 def _instance(kind: type[Any], inner: list[Part], given: dict[str, Any]) -> Any:
     return kind(**{part.name: part.made(given) for part in inner})
-
-
-def _itself(name: str, given: dict[str, Any]) -> Any:
-    return given[name]
 
 
 def _run(function: Callable[..., Told | None], parts: list[Part], given: dict[str, Any]) -> int:

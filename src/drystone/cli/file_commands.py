@@ -14,7 +14,7 @@ from drystone.cli import kinds
 from drystone.cli.command import command
 from drystone.cli.model_input import Converted, Inspected, Source, on_its_side, warnings_of
 from drystone.cli.offered import CONTACTS, MODEL, OUTPUT, Argument, Option
-from drystone.cli.told import Files, Pictures, Told, left_out
+from drystone.cli.told import Pictures, Told, left_out
 from drystone.cli.waiting import Waiting
 
 if TYPE_CHECKING:
@@ -197,12 +197,8 @@ def inspect(
             waiting.stage("sweep", "trying gaps")
             swept = gap_sweep(assembly, progress=waiting)
     answer = Inspection(assembly, found, swept, built, source.name)
-    files = partial(pictures.of, answer) if assembly is not None else _no_files
+    files = partial(pictures.of, answer) if assembly is not None else None
     return Told(answer, notes=notes, files=files, everything=everything)
-
-
-def _no_files() -> Files:
-    return [], []
 
 
 @command(

@@ -105,12 +105,12 @@ class Field:
         return FormatError(what, where=where, remedy=remedy)
 
     @contextmanager
-    def blamed(self) -> Iterator[None]:
-        """Errors inside are about this field."""
+    def blamed(self, remedy: str | None = None) -> Iterator[None]:
+        """Errors inside are about this field, perhaps with another remedy."""
         try:
             yield
         except InputError as error:
-            raise self.error(error.what, error.remedy) from error
+            raise self.error(error.what, error.remedy if remedy is None else remedy) from error
 
     def _expect(self, kind: type | tuple[type, ...], name: str) -> None:
         if not isinstance(self.value, kind) or (isinstance(self.value, bool) and kind is not bool):

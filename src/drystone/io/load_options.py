@@ -213,14 +213,6 @@ def _is_weight(assembly: Assembly, case: LoadCase) -> bool:
     return bool(alike) and not case.wrench[free, 3:].any() and case.motion is None
 
 
-def _fill(assembly: Assembly, words: str) -> LoadCase:
-    return Fill.named(words).on(assembly)
-
-
-def _earth(assembly: Assembly, words: str) -> LoadCase:
-    return Earth.named(words).on(assembly)
-
-
 _KINDS: dict[str, Callable[..., LoadCase]] = {
     "gravity": LoadCase.gravity,
     "seismic": LoadCase.seismic,
@@ -230,8 +222,8 @@ _KINDS: dict[str, Callable[..., LoadCase]] = {
     "moment": LoadCase.moment,
     "mass": LoadCase.extra_mass,
     "settlement": LoadCase.settlement,
-    "fill": _fill,
-    "earth": _earth,
+    "fill": lambda assembly, words: Fill.named(words).on(assembly),
+    "earth": lambda assembly, words: Earth.named(words).on(assembly),
 }
 """Kinds of parts. The keys of each are what its constructor takes, in SI units, and its factor."""
 

@@ -348,10 +348,8 @@ def _confidence(top: Field, edition: str) -> Field:
 def _acceleration(one: Field) -> float:
     if not isinstance(one.value, str):
         raise one.error("has no unit", 'write "0.15g"')
-    try:
+    with one.blamed('write "0.15g"'):
         value = measured(one.value, {"g": STANDARD_GRAVITY}, what="ag")
-    except InputError as error:
-        raise one.error(error.what, 'write "0.15g"') from error
     if not 0.0 < value <= 1e6:
         raise one.error(f"is {one.value}", "give more than zero")
     return value

@@ -154,7 +154,7 @@ def test_a_joint_compressed_to_its_edge_moves_the_thrust_there() -> None:
     [
         ("kenr", "no virtual interface"),
         ("x=much", "no virtual interface"),
-        ("2", "from 0 to 1"),
+        ("2", "give 0 or more, up to 1"),
         ("z", "normal to the interface"),
         ("kern@block-0,block-2", "no joint of"),
         ("kern@blok", "no block"),
