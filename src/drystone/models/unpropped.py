@@ -29,9 +29,9 @@ def leaning_column(
 
     Parameters
     ----------
-    blocks
+    blocks : >= 1
         Free blocks.
-    lean_deg : [degrees]
+    lean_deg : [degrees] >= 0, < 45
     width, height, depth : [m]
         Across the axis, along the axis of all free blocks, and along y.
 
@@ -45,8 +45,6 @@ def leaning_column(
     >>> leaning_column(3).names
     ('base', 'c01-block', 'c02-block', 'c03-block')
     """
-    require(blocks > 0, f"a column of {blocks} blocks", "one or more")
-    require(0.0 <= lean_deg < 45.0, f"a lean of {lean_deg} degrees", "0 to 45")
     lean = np.deg2rad(lean_deg)
     axis, across = np.array([np.sin(lean), np.cos(lean)]), np.array([np.cos(lean), -np.sin(lean)])
     step = height / blocks
@@ -71,7 +69,7 @@ def winding_column(
 
     Parameters
     ----------
-    blocks
+    blocks : >= 2
         Free blocks.
     swing : [m]
         Amplitude of the centre line.
@@ -83,7 +81,6 @@ def winding_column(
     Assembly
         ``base``, fixed, and ``c01`` ... upwards.
     """
-    require(blocks > 1, f"a column of {blocks} blocks", "two or more")
     steepest = 2.0 * np.pi * abs(swing) / height
     require(steepest < 1.0, f"a swing of {swing} m", "less than the height by 2 pi")
     z = np.linspace(0.0, height, blocks + 1)
@@ -112,16 +109,16 @@ def corbelled_bridge(
 
     Parameters
     ----------
-    corbels
+    corbels : >= 1
         In each arm, over a fixed pier.
-    reach, tail : [m]
+    reach, tail : [m] > 0
         By how much each corbel projects beyond the one below, and its length behind the face of the
         pier.
-    height, depth : [m]
+    height, depth : [m] > 0
         Of every block.
-    gap : [m]
+    gap : [m] > 0
         Length of the key at its bottom.
-    batter_deg : [degrees]
+    batter_deg : [degrees] >= 0, < 45
         Of its ends against the vertical, wider at the top.
 
     Returns
@@ -129,9 +126,6 @@ def corbelled_bridge(
     Assembly
         ``pier-left``, ``pier-right``, fixed; ``left-1`` ... upwards, ``right-1`` ..., ``key``.
     """
-    require(corbels > 0, f"a bridge of {corbels} corbels", "one or more")
-    require(0.0 <= batter_deg < 45.0, f"a batter of {batter_deg} degrees", "0 to 45")
-    require(min(reach, tail, height, gap, depth) > 0.0, "a bridge without extent", "above zero")
     half = 0.5 * gap + corbels * reach
     rise = float(np.tan(np.deg2rad(batter_deg))) * height
     require(rise < reach, "the key cuts through the corbels", "less batter, or more reach")
