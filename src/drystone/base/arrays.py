@@ -209,8 +209,15 @@ def plane_cross(a: Floats, b: Floats) -> Floats:
     return product
 
 
+_FEW = 1000
+"""Numbers up to which numpy multiplies rows fastest. Measured: a third to a half of the time of
+column by column on up to 100 rows, as long on 330, two and a half times on 3,000."""
+
+
 def dot(a: Floats, b: Floats) -> Floats:
-    """Scalar products (...,) of rows, a third of einsum's time on many short ones."""
+    """Scalar products (...,) of rows."""
+    if a.size <= _FEW:
+        return np.vecdot(a, b)
     product: Floats = a[..., 0] * b[..., 0]
     for i in range(1, a.shape[-1]):
         product += a[..., i] * b[..., i]

@@ -33,7 +33,7 @@ FEW_JOINTS = 120
 random ones hold as well."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class FrictionResponse:
     """Tangential force and its derivatives, per corner.
 
@@ -255,7 +255,7 @@ class Compliance:
 _NOTHING = np.zeros(1)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class ContactResponse:
     """Forces at corners.
 
