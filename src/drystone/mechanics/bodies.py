@@ -15,7 +15,7 @@ from functools import cached_property
 import numpy as np
 
 from drystone.assembly import Assembly
-from drystone.base.arrays import Bools, Floats, Ints, cross, lengths
+from drystone.base.arrays import Bools, Floats, Ints, cross, dot, lengths, plane_cross
 from drystone.geometry.polyhedron import fan_triangles
 from drystone.joints import SWAY
 from drystone.mechanics.corners import Carrier, Ends, joint_ends
@@ -122,6 +122,16 @@ class Bodies:
         law = StickSlip(FrictionBound(self.friction), self.tangential)
         yields = np.isfinite(self.most).any()
         return Compliance(self.normal, law, most=self.most if yields else None)
+
+    @cached_property
+    def outlines(self) -> tuple[Floats, Bools]:
+        """(k, 2) from each corner to the next, and which interfaces (m,) have no area to lose."""
+        place, joint = self.ends.place, self.ends.joint
+        edge = place[self.ends.after] - place
+        twice, square = (
+            np.bincount(joint, one) for one in (plane_cross(place, edge), dot(edge, edge))
+        )
+        return edge, twice <= 1e-12 * square
 
     @cached_property
     def by_corner(self) -> tuple[Floats, Floats]:

@@ -22,7 +22,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drystone.assembly import Assembly
-from drystone.base.arrays import SAME, Bools, Floats, Ints, plane_cross
+from drystone.base.arrays import SAME, Bools, Floats, Ints, dot, plane_cross
 from drystone.contacts import Contacts
 from drystone.geometry.halfedge import BENT
 from drystone.mechanics.face_edges import FaceSides, to_the_end
@@ -160,7 +160,7 @@ class _Edges:
         self.points = [contacts.point - gap[:, :1] * n, contacts.point + gap[:, 1:] * n]
         found = [
             self.sides.owned(block, self._middle(point), along, out)
-            for block, point in zip(self._blocks, self.points, strict=True)
+            for block, point in zip(self.contacts.corner_blocks, self.points, strict=True)
         ]
         self.owned = found[0][0], found[1][0]
         self.bend = found[0][1], found[1][1]
@@ -168,12 +168,6 @@ class _Edges:
             self.owned = self._nearest(along)
         least, most = np.minimum(*self.bend), np.maximum(*self.bend)
         self.fitted: Bools = (least < -BENT) & (most > BENT)
-
-    @property
-    def _blocks(self) -> list[Ints]:
-        """(k,) each, the blocks a and b of the edges."""
-        contacts = self.contacts
-        return [block[contacts.interface] for block in (contacts.block_a, contacts.block_b)]
 
     def _middle(self, point: Floats) -> Floats:
         """(k, 3) the middle of each edge between some corners (k, 3)."""
@@ -183,7 +177,7 @@ class _Edges:
         """The same where no edge is one of a block, as of imperfect joints: by the nearest ones."""
         off_a, off_b = (
             self.sides.nearest(block, self._middle(point), along)
-            for block, point in zip(self._blocks, self.points, strict=True)
+            for block, point in zip(self.contacts.corner_blocks, self.points, strict=True)
         )
         flush = self.longer
         of_a, of_b = off_a < NEARER * off_b, off_b < NEARER * off_a
@@ -192,7 +186,7 @@ class _Edges:
     @property
     def longer(self) -> Floats:
         """(k,) [m] by how much a face that ends at an edge is taken as longer."""
-        smaller = np.minimum(*(self.volume[block] for block in self._blocks))
+        smaller = np.minimum(*(self.volume[block] for block in self.contacts.corner_blocks))
         return np.asarray(FLUSH_REACH * np.cbrt(smaller))
 
     def reach(self) -> Floats:
@@ -213,7 +207,7 @@ class _Edges:
         return reach
 
 
-def slid(ends: Ends, slide: Floats) -> tuple[Floats, Floats, Bools]:
+def slid(ends: Ends, outlines: tuple[Floats, Bools], slide: Floats) -> tuple[Floats, Floats, Bools]:
     """Where corners go when b slides over a by (k, 2).
 
     Returns the motion x (k, 2), its derivative (k, 2, 2), and which are still on both faces (k,).
@@ -233,21 +227,15 @@ def slid(ends: Ends, slide: Floats) -> tuple[Floats, Floats, Bools]:
         solved: Floats = np.asarray(np.linalg.solve(outward, right), dtype=np.float64)
         tangent = tangent.copy()
         carried[some], tangent[some] = solved[:, :, 0], solved[:, :, 1:]
-    return carried, tangent, _on_both(ends, carried)
+    return carried, tangent, _on_both(ends, outlines, carried)
 
 
-def _on_both(ends: Ends, carried: Floats) -> Bools:
+def _on_both(ends: Ends, outlines: tuple[Floats, Bools], carried: Floats) -> Bools:
     """(k,) whether the two faces of the interface still have an area in common."""
-    edge = ends.place[ends.after] - ends.place
+    edge, flat = outlines
     now = edge + carried[ends.after] - carried
-    spot = ends.place + carried
-    twice = plane_cross(spot, now)
-    was = ends.place[:, 0] * edge[:, 1] - ends.place[:, 1] * edge[:, 0]
-    count = int(ends.joint.max(initial=-1)) + 1
-    area, before = (np.bincount(ends.joint, one, count) for one in (twice, was))
-    forward = np.bincount(ends.joint, (edge * now).sum(axis=1) > 0.0, count) > 0
-    # an interface that is a line or a point has no area to lose
-    flat = before <= 1e-12 * np.bincount(ends.joint, (edge**2).sum(axis=1), count)
+    area = np.bincount(ends.joint, plane_cross(ends.place + carried, now), len(flat))
+    forward = np.bincount(ends.joint, dot(edge, now) > 0.0, len(flat)) > 0
     return np.asarray((flat | ((area > 0.0) & forward))[ends.joint])
 
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 from scipy import sparse
 
-from drystone.base.arrays import Floats, Ints
+from drystone.base.arrays import Floats, Ints, cross
 from drystone.base.errors import SolverError
 from drystone.base.ragged import runs_by_length
 from drystone.geometry.frames import skew
@@ -55,9 +55,10 @@ class FullMaps:
         arm_a, arm_b : (k, 3)
             From the centroids of a and b to the corner, by the lengths of the blocks.
         """
-        parts = np.concatenate([-corner_rows(axes, arm_a), corner_rows(axes, arm_b)])
+        parts = corner_rows(axes, np.array([arm_a, arm_b]))
+        parts[0] *= -1.0
         self.rows = np.zeros(self.shape)
-        self.rows.reshape(-1)[self.place] = parts[self.meets]
+        self.rows.reshape(-1)[self.place] = parts.reshape(-1, 3, 6)[self.meets]
 
     def moved(self, motion: Floats) -> Floats:
         """A'q: local motion (k, 3) of b over a at each corner, from motions (n, 6)."""
@@ -198,17 +199,13 @@ def maps_between(block_a: Ints, block_b: Ints, length: Floats, position: Floats)
 
 
 def corner_rows(axes: Floats, arm: Floats) -> Floats:
-    """(k, 3, 6) local motion of corners with axes (k, 3, 3) by the motion of a block.
+    """(..., k, 3, 6) local motion of corners with axes (k, 3, 3) by the motion of a block.
 
-    ``arm`` (k, 3) goes from the centroid of the block to the corner, by the length of the block.
+    ``arm`` (..., k, 3) goes from the centroid of a block to the corner, by the length of the block.
     """
-    out = np.empty((len(axes), 3, 6))
-    out[:, :, :3] = axes
-    x, y, z = arm.T[:, :, None]
-    u, v, w = axes[:, :, 0], axes[:, :, 1], axes[:, :, 2]
-    out[:, :, 3] = y * w - z * v
-    out[:, :, 4] = z * u - x * w
-    out[:, :, 5] = x * v - y * u
+    out = np.empty((*arm.shape, 6))
+    out[..., :3] = axes
+    out[..., 3:] = cross(arm[..., None, :], axes)
     return out
 
 

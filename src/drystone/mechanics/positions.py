@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drystone.base.arrays import Floats, Ints
+from drystone.base.arrays import Floats, Ints, lengths
 from drystone.geometry.frames import rotations
 from drystone.mechanics.bodies import Bodies
 from drystone.mechanics.corners import slid
@@ -68,7 +68,7 @@ def place_corners(bodies: Bodies, pose: BlockPositions) -> Placed:
     there = _product(turn_b, of_b)
     there[0] += place_b - on_a
     apart, normal = _product(frame, there)
-    carried, tangent, on = slid(bodies.ends, np.ascontiguousarray(apart[1:].T))
+    carried, tangent, on = slid(bodies.ends, bodies.outlines, np.ascontiguousarray(apart[1:].T))
     lean, left = normal[1:].copy(), apart[1:] - carried.T
     gap = normal[0] * apart[0] + lean[0] * left[0] + lean[1] * left[1]
     normal[1:] -= lean[0] * tangent[:, 0].T + lean[1] * tangent[:, 1].T
@@ -97,19 +97,16 @@ def _inclined(normal: Floats) -> Floats:
 
     Every v is normal to the second axis.
     """
-    n = normal / _sizes(normal.T)
-    u = -n[1] * n
+    axes = np.zeros((3, *normal.shape))
+    n, u, v = axes
+    np.divide(normal, lengths(normal.T), out=n)
+    np.multiply(-n[1], n, out=u)
     u[1] += 1.0
-    u /= _sizes(u.T)
-    v = np.array([n[1] * u[2] - n[2] * u[1], n[2] * u[0] - n[0] * u[2], n[0] * u[1] - n[1] * u[0]])
-    return np.array([n, u, v])
-
-
-def _sizes(vectors: Floats) -> Floats:
-    """Lengths (k,) of rows (k, 3)."""
-    x, y, z = vectors.T
-    size: Floats = np.sqrt(x * x + y * y + z * z)
-    return size
+    size = lengths(u.T)
+    u /= size
+    np.divide(-n[2], size, out=v[0])
+    np.divide(n[0], size, out=v[2])
+    return axes
 
 
 def rotation_vectors(turn: Floats) -> Floats:
