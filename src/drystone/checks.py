@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drystone.assembly import Assembly
-from drystone.base.arrays import ROUNDING, Bools, Floats, Ints, cross, dot, lengths
+from drystone.base.arrays import ROUNDING, Bools, Floats, cross, dot, lengths
 from drystone.base.display import OneLine
 from drystone.contacts import Contacts
 from drystone.geometry.stress_block import cut_off, stress_block
@@ -84,8 +84,7 @@ def corner_motion(assembly: Assembly, contacts: Contacts, motion: Floats) -> Flo
     ----------
     motion : (n, 6) translation of the centroid and rotation vector of each block, world axes
     """
-    moving = np.where(assembly.fixed[:, None], 0.0, motion)
-    of_a, of_b = _with_block(assembly, contacts, moving, np.array(_corner_blocks(contacts)))
+    of_a, of_b = corner_motions(assembly, contacts, motion)
     return np.einsum("kij,kj->ki", contacts.frame[contacts.interface], of_b - of_a)
 
 
@@ -162,7 +161,7 @@ def check_forces(
     equilibrium = _most(lengths(total[free]) / scale[free])
     if not contacts.corner_count:
         return Residuals(equilibrium)
-    a, b = _corner_blocks(contacts)
+    a, b = contacts.corner_blocks
     local = np.minimum(scale[a], scale[b])
     normal = force[:, 0]
     tangential = lengths(force[:, 1:])
@@ -215,7 +214,7 @@ def normal_force_by_strength(contacts: Contacts, normal: Floats) -> tuple[Floats
 def _motion_residuals(model: Model, force: Floats, displacement: Floats) -> tuple[float, float]:
     """Complementarity and alignment of forces (k, 3), each by that of its corner, and a motion."""
     assembly, contacts = model.assembly, model.contacts
-    a, b = _corner_blocks(contacts)
+    a, b = contacts.corner_blocks
     normal, tangential = force[:, 0], lengths(force[:, 1:])
     moved = corner_motion(assembly, contacts, displacement)
     reach = lengths(moved)
@@ -342,7 +341,7 @@ def _closing(model: Model, moved: Floats, motion: Floats) -> Floats:
     short = np.where(pull >= NO_LIMIT, np.abs(moved[:, 0]), short)
     short = np.where(np.minimum(cohesion, shear) >= NO_LIMIT, np.maximum(short, slide), short)
     speed = block_speed(assembly, motion)
-    a, b = _corner_blocks(contacts)
+    a, b = contacts.corner_blocks
     local = np.maximum(speed[a], speed[b])
     reference = np.maximum(local, 1e-9 * max(float(speed.max(initial=0.0)), 1e-300))
     out: Floats = np.maximum(0.0, short) / reference
@@ -456,25 +455,19 @@ def first_motion_of(model: Model, prop: Floats) -> Floats:
     The wrench of a prop is the mass of the block times its acceleration without the prop. The
     fastest corner moves by the mean size of a block.
     """
-    assembly = model.assembly
-    motion = accelerations(assembly, 0.0 - prop)
+    return normalised(model.assembly, accelerations(model.assembly, 0.0 - prop))
+
+
+def normalised(assembly: Assembly, motion: Floats) -> Floats:
+    """The same motion (n, 6), its fastest block moving by the mean size of a free block."""
     fastest = float(block_speed(assembly, motion).max(initial=0.0))
     size = assembly.size[assembly.free]
     return motion * (float(size.mean()) / fastest) if fastest > 0.0 else motion
 
 
-def _corner_blocks(contacts: Contacts) -> tuple[Ints, Ints]:
-    return contacts.block_a[contacts.interface], contacts.block_b[contacts.interface]
-
-
-def point_motion(assembly: Assembly, contacts: Contacts, motion: Floats, block: Ints) -> Floats:
-    """Displacement (k, 3), world axes, of each corner as a point of the block (k,) given for it."""
-    moving = np.where(assembly.fixed[:, None], 0.0, motion)
-    return _with_block(assembly, contacts, moving, block)
-
-
-def _with_block(assembly: Assembly, contacts: Contacts, moving: Floats, block: Ints) -> Floats:
-    """The same where no fixed block moves."""
-    of_block = moving[block]
-    arm = contacts.point - assembly.centroid[block]
+def corner_motions(assembly: Assembly, contacts: Contacts, motion: Floats) -> Floats:
+    """Displacements (2, k, 3), world axes, of each corner as a point of block a and of block b."""
+    blocks = contacts.corner_blocks
+    of_block = np.where(assembly.fixed[:, None], 0.0, motion)[blocks]
+    arm = contacts.point - assembly.centroid[blocks]
     return of_block[..., :3] + cross(of_block[..., 3:], arm)

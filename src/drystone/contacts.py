@@ -200,6 +200,11 @@ class Contacts(OneLine):
         """Which corners belong to which interface."""
         return Ragged.from_owners(self.interface, self.count)
 
+    @cached_property
+    def corner_blocks(self) -> Ints:
+        """(2, k) blocks a and b of each corner."""
+        return frozen(np.array([self.block_a, self.block_b])[:, self.interface])
+
     @property
     def start(self) -> Ints:
         """(m + 1,) interface i has the corners start[i] to start[i + 1]."""

@@ -295,7 +295,7 @@ def with_margins(result: Result, stop: Stop | None = None) -> Result:
 
 def _statics(model: Model) -> Statics:
     """The scales are those of the model without a live load."""
-    return build_statics(model.with_contacts(model.contacts.select(model.active)))
+    return build_statics(model, model.contacts.select(model.active))
 
 
 def _largest(model: Model, live: LoadCase, cone: FrictionCone, stop: Stop | None) -> FactorSolution:

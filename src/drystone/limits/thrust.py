@@ -136,7 +136,7 @@ def thrust_bounds(
         raise InputError(f"block '{assembly.names[which]}' touches nothing", remedy="name another")
     active = model.active
     part = contacts.select(active)
-    statics = build_statics(model.with_contacts(part))
+    statics = build_statics(model, part)
     corner = part.interface
     sign = (part.block_b == which).astype(np.float64) - (part.block_a == which)
     price = sign[corner][:, None] * np.einsum("kij,j->ki", part.frame[corner], along)

@@ -20,6 +20,7 @@ import numpy as np
 from scipy import sparse
 
 from drystone.base.arrays import Bools, Floats, Ints, lengths
+from drystone.contacts import Contacts
 from drystone.mechanics.crushing import Crushing
 from drystone.mechanics.maps import Maps, maps_between
 from drystone.model import Model
@@ -304,21 +305,22 @@ class Statics:
         return out
 
 
-def build_statics(model: Model) -> Statics:
-    """The dimensionless problem of a model.
+def build_statics(model: Model, contacts: Contacts | None = None) -> Statics:
+    """The dimensionless problem of a model, or of its blocks with other contacts.
 
     Raises
     ------
     InputError
         The load moves supports.
     """
-    assembly, contacts, load = model.assembly, model.contacts, model.load
+    assembly, load = model.assembly, model.load
+    contacts = model.contacts if contacts is None else contacts
     count = len(assembly)
     model.require_still()
     free = assembly.free
     slot = np.full(count, -1, dtype=np.intp)
     slot[free] = np.arange(len(free))
-    of_a, of_b = contacts.block_a[contacts.interface], contacts.block_b[contacts.interface]
+    of_a, of_b = contacts.corner_blocks
     length = assembly.size
     loads = load.wrench[free]
     size = length[free]

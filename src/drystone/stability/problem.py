@@ -11,7 +11,7 @@ import numpy as np
 from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Floats, Ints, dot, lengths
 from drystone.base.ragged import linked
-from drystone.checks import accelerations, block_speed, point_motion
+from drystone.checks import accelerations, block_speed, corner_motions, normalised
 from drystone.contacts import Contacts
 from drystone.mechanics.increments import FEW
 from drystone.mechanics.statics import Statics, build_statics
@@ -25,63 +25,20 @@ NO_APPROACH = 1e-7
 """The same for faces along which blocks fall freely: less is rounding of their coordinates."""
 
 
-def unpressed(
-    assembly: Assembly, contacts: Contacts, acceleration: Floats, least: float = APPROACH
-) -> Bools:
-    """The largest set (n,) of free blocks whose free motion approaches no corner.
-
-    Parameters
-    ----------
-    assembly, contacts
-    acceleration : (n, 6)
-        Of each block under its load alone; blocks outside the set rest.
-    least
-        Share of its speed by which a block that is pressed approaches a corner. A block at a joint
-        that is not dry counts as pressed.
-    """
-    speed = block_speed(assembly, acceleration)
-    falling = ~assembly.fixed & (speed > 0.0)
-    joint = contacts.interface
-    holds = ~contacts.dry[joint]  # a joint that pulls or coheres need not be pressed
-    a, b = contacts.block_a, contacts.block_b
-    away_a, away_b = _along_normals(assembly, contacts, acceleration)
-
-    def approach(opening: Floats, reach: Floats) -> Bools:
-        near = (opening < -least * reach[joint]) | holds
-        return np.bincount(joint[near], minlength=contacts.count) > 0
-
-    both = approach(away_b - away_a, np.maximum(speed[a], speed[b]))
-    only_a, only_b = approach(-away_a, speed[a]), approach(away_b, speed[b])
-    while falling.any():
-        of_a, of_b = falling[a], falling[b]
-        pressed = (of_a & of_b & both) | (of_a & ~of_b & only_a) | (of_b & ~of_a & only_b)
-        if not pressed.any():
-            break
-        falling[a[pressed]] = falling[b[pressed]] = False
-    return falling
-
-
 def closing_blocks(assembly: Assembly, contacts: Contacts, motion: Floats) -> Bools:
     """The blocks (n,) of which a corner closes by a share of their way in a motion (n, 6)."""
     away_a, away_b = _along_normals(assembly, contacts, motion)
     speed = block_speed(assembly, motion)
     found = np.zeros(len(assembly), dtype=bool)
-    for block in (contacts.block_a, contacts.block_b):
-        of_corner = block[contacts.interface]
-        found[of_corner[away_b - away_a < -APPROACH * speed[of_corner]]] = True
+    blocks = contacts.corner_blocks
+    found[blocks[away_b - away_a < -APPROACH * speed[blocks]]] = True
     return found
 
 
-def _along_normals(assembly: Assembly, contacts: Contacts, motion: Floats) -> tuple[Floats, Floats]:
-    """(k,) motion of each corner along the normal of its joint, with block a and with block b."""
-    of_a, of_b = (
-        dot(
-            point_motion(assembly, contacts, motion, block[contacts.interface]),
-            contacts.frame[contacts.interface, 0],
-        )
-        for block in (contacts.block_a, contacts.block_b)
-    )
-    return of_a, of_b
+def _along_normals(assembly: Assembly, contacts: Contacts, motion: Floats) -> Floats:
+    """(2, k) motion of each corner along the normal of its joint, with block a and with block b."""
+    moved = corner_motions(assembly, contacts, motion)
+    return dot(moved, contacts.frame[contacts.interface, 0])
 
 
 def beside_supports(assembly: Assembly, contacts: Contacts, falling: Bools) -> bool:
@@ -96,18 +53,9 @@ def beside_supports(assembly: Assembly, contacts: Contacts, falling: Bools) -> b
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """A model, and its statics without the interfaces between two fixed blocks.
-
-    Attributes
-    ----------
-    model
-    corners : (k,) corners that take part
-    statics
-    """
+    """A model, and its statics without the interfaces between two fixed blocks."""
 
     model: Model
-    corners: Bools
-    statics: Statics
 
     @classmethod
     def build(cls, model: Model) -> Problem:
@@ -118,9 +66,19 @@ class Problem:
         InputError
             The load moves supports.
         """
-        active = model.active
-        part = model if active.all() else model.with_contacts(model.contacts.select(active))
-        return cls(model, active[model.contacts.interface], build_statics(part))
+        model.require_still()
+        return cls(model)
+
+    @cached_property
+    def corners(self) -> Bools:
+        """(k,) corners that take part."""
+        return self.model.active[self.model.contacts.interface]
+
+    @cached_property
+    def statics(self) -> Statics:
+        """Built where they are needed: what falls freely is known without."""
+        contacts, active = self.model.contacts, self.model.active
+        return build_statics(self.model, contacts if active.all() else contacts.select(active))
 
     @classmethod
     def of(cls, given: Model | Problem) -> Problem:
@@ -144,7 +102,9 @@ class Problem:
         The joints of those that feel hardly any are softer; None where no block differs so much.
         """
         statics = self.statics.with_felt(force[self.corners] / self.statics.force_unit)
-        return None if statics is None else replace(self, statics=statics)
+        other = replace(self)
+        vars(other)["statics"] = statics
+        return None if statics is None else other
 
     def __getstate__(self) -> dict[str, Any]:
         return {name: getattr(self, name) for name in ("model", "corners", "statics")}
@@ -166,7 +126,41 @@ class Problem:
     @cached_property
     def unpressed(self) -> Bools:
         """The free blocks (n,) on which nothing presses."""
-        return unpressed(self.model.assembly, self.model.contacts, self.acceleration)
+        return self.approaching_none(APPROACH)
+
+    def approaching_none(self, least: float) -> Bools:
+        """The largest set (n,) of free blocks whose free motion approaches no corner.
+
+        Blocks outside the set rest.
+
+        Parameters
+        ----------
+        least
+            Share of its speed by which a block that is pressed approaches a corner. A block at a
+            joint that is not dry counts as pressed.
+        """
+        assembly, contacts = self.model.assembly, self.model.contacts
+        opening, speed = self._free_opening
+        falling = ~assembly.fixed & (speed > 0.0)
+        a, b, joint = contacts.block_a, contacts.block_b, contacts.interface
+        reach = np.array([np.maximum(speed[a], speed[b]), speed[a], speed[b]])
+        near = opening < -least * reach[:, joint]
+        near |= ~contacts.dry[joint]  # a joint that pulls or coheres need not be pressed
+        both, only_a, only_b = contacts.corners.any(near.T).T
+        while falling.any():
+            of_a, of_b = falling[a], falling[b]
+            pressed = (of_a & of_b & both) | (of_a & ~of_b & only_a) | (of_b & ~of_a & only_b)
+            if not pressed.any():
+                break
+            falling[a[pressed]] = falling[b[pressed]] = False
+        return falling
+
+    @cached_property
+    def _free_opening(self) -> tuple[Floats, Floats]:
+        """What opens (3, k) if both blocks, a or b fall freely; and the speed of each block."""
+        assembly = self.model.assembly
+        of_a, of_b = _along_normals(assembly, self.model.contacts, self.acceleration)
+        return np.array([of_b - of_a, -of_a, of_b]), block_speed(assembly, self.acceleration)
 
     def force(self, scaled: Floats) -> Floats:
         """Physical values (k, c) [N] of all corners from scaled ones of those that take part."""
@@ -190,8 +184,7 @@ class Problem:
 
     def normalised(self, motion: Floats) -> Floats:
         """The same physical motion, its fastest block moving by the mean size of a block."""
-        speed = float(block_speed(self.model.assembly, motion).max(initial=0.0))
-        return motion * (self.statics.mean_length / speed) if speed > 0.0 else motion
+        return normalised(self.model.assembly, motion)
 
     def slides_by_overlap(self, displacement: Floats, times: float) -> bool:
         """Whether a pressed corner slides so many times the largest overlap of its part.

@@ -43,10 +43,12 @@ def unless_more_holds(
     falls
         The same where only a verdict of falling is used, and words on what stands are not.
     """
-    held = _unless_edges_hold(found, check)
-    if held is not found or found.verdict is not Verdict.UNSTABLE:
-        return held
+    if found.verdict is not Verdict.UNSTABLE:
+        return found
     model, moving = found.model, part_of_fall(found)
+    held = _unless_edges_hold(found, moving, check)
+    if held is not found:
+        return held
     near, meet = _near(model, moving), _corners(model, moving)
     if not near and not len(meet):
         return found
@@ -84,7 +86,7 @@ def _with_all_held(model: Model, near: list[Missed], meet: Ints) -> Model:
     return replace(model, contacts=contacts, unjoined=(), report=None if near else model.report)
 
 
-def _unless_edges_hold(found: Result, check: Callable[[Model], Result]) -> Result:
+def _unless_edges_hold(found: Result, moving: Bools, check: Callable[[Model], Result]) -> Result:
     """The result as it is, or that with the edges and corners that touch and may hold what falls.
 
     Parallel edges that meet press along a normal that may have a range of directions. They hold
@@ -95,14 +97,15 @@ def _unless_edges_hold(found: Result, check: Callable[[Model], Result]) -> Resul
     Parameters
     ----------
     found
+    moving : (n,)
+        The blocks that fall.
     check
         Gives the verdict on the same model with more contacts.
     """
     model = found.model
-    further = further_of(model) if found.verdict is Verdict.UNSTABLE else None
+    further = further_of(model)
     if further is None:
         return found
-    moving = part_of_fall(found)
     touching = _with_lines(found, further.contacts, moving)
     if touching is not None:
         return check(touching)

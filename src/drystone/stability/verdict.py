@@ -42,7 +42,6 @@ from drystone.stability.problem import (
     Problem,
     beside_supports,
     closing_blocks,
-    unpressed,
 )
 from drystone.stability.proofs import UNBALANCED
 from drystone.stability.strength import within_strength
@@ -122,17 +121,17 @@ def decided(
     rest
         The rest state of this model with uniform stiffness, where it is known already.
     """
-    if asked.problem.statics.free_count == 0:
+    problem, contacts = asked.problem, asked.problem.model.contacts
+    if problem.model.assembly.fixed.all():
         return asked.nothing_free()
-    problem = asked.problem
-    if problem.model.contacts.brittle or problem.statics.crushing is not None:
+    if contacts.brittle or (contacts.crushes.any() and problem.statics.crushing is not None):
 
         def other(model: Model) -> Result:
             """The verdict on the same blocks with other capacities of joints."""
             part = Asked(Problem.build(model), asked.options, asked.clock)
             return decided(part, near=near)
 
-        if problem.model.contacts.brittle:
+        if contacts.brittle:
             return with_brittle_mortar(problem.model, other, asked.clock)
         return within_strength(problem, other, asked.clock)
 
@@ -212,8 +211,7 @@ def _surely_free(problem: Problem) -> bool:
     falling, model = problem.unpressed, problem.model
     if not (falling.any() and beside_supports(model.assembly, model.contacts, falling)):
         return False
-    strictly = unpressed(model.assembly, model.contacts, problem.acceleration, NO_APPROACH)
-    return bool(strictly.all(where=falling))
+    return bool(problem.approaching_none(NO_APPROACH).all(where=falling))
 
 
 def _free_fall(asked: Asked, words: str) -> Result | None:
