@@ -17,6 +17,7 @@ corner carries nothing.
 from __future__ import annotations
 
 import enum
+from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -92,8 +93,9 @@ def joint_ends(assembly: Assembly, contacts: Contacts, carrier: Carrier, gap: Fl
     gap : (k, 2) [m]
         Distance of each corner from the faces of a and b, along n.
     """
-    after, before = _neighbours(contacts)
-    edges_of = _Edges(assembly, contacts, gap)
+    after = contacts.corners.following
+    before = np.argsort(after)
+    edges_of = _edges(assembly, contacts, gap.tobytes())
     of_a, of_b = edges_of.owned
     away = distance_from_supports(assembly, contacts)
     far = np.sign(away[contacts.block_b] - away[contacts.block_a])
@@ -101,7 +103,7 @@ def joint_ends(assembly: Assembly, contacts: Contacts, carrier: Carrier, gap: Fl
     both = (0.5 + 0.5 * (-far if carrier is Carrier.RESTING else far))[joint]
     both = np.where(edges_of.fitted, edges_of.bend[1] > 0.0, both)
     share = np.where(of_b & ~of_a, 1.0, np.where(of_a & ~of_b, 0.0, both))
-    outward, reach = edges_of.outward, edges_of.reach()
+    outward, reach = edges_of.outward, edges_of.reach
     flush = (of_a == of_b) & (far != 0.0)[joint] & ~edges_of.fitted
     drawn = np.where(flush, 0.0, reach)
     if carrier is Carrier.EXACT:
@@ -127,10 +129,16 @@ def joint_ends(assembly: Assembly, contacts: Contacts, carrier: Carrier, gap: Fl
 
 def flush_ends(assembly: Assembly, contacts: Contacts) -> bool:
     """Whether the carrier makes a difference: somewhere an edge belongs to both blocks."""
-    edges = _Edges(assembly, contacts, np.zeros((contacts.corner_count, 2)))
+    edges = _edges(assembly, contacts, bytes(16 * contacts.corner_count))
     away = distance_from_supports(assembly, contacts)
     unlike = (away[contacts.block_a] != away[contacts.block_b])[contacts.interface]
     return bool(((edges.owned[0] == edges.owned[1]) & unlike & ~edges.fitted).any())
+
+
+@lru_cache(maxsize=2)
+def _edges(assembly: Assembly, contacts: Contacts, gap: bytes) -> _Edges:
+    """Those of one model are asked for with both carriers and with other shear stiffnesses."""
+    return _Edges(assembly, contacts, np.frombuffer(gap).reshape(-1, 2))
 
 
 class _Edges:
@@ -148,7 +156,7 @@ class _Edges:
     def __init__(self, assembly: Assembly, contacts: Contacts, gap: Floats) -> None:
         self.contacts, self.sides = contacts, FaceSides(assembly)
         self.volume = assembly.volume
-        self.after, _ = _neighbours(contacts)
+        self.after = contacts.corners.following
         along = contacts.point[self.after] - contacts.point
         axes = contacts.frame[contacts.interface]
         run = np.einsum("kij,kj->ki", axes[:, 1:], along)
@@ -189,6 +197,7 @@ class _Edges:
         smaller = np.minimum(*(self.volume[block] for block in self.contacts.corner_blocks))
         return np.asarray(FLUSH_REACH * np.cbrt(smaller))
 
+    @cached_property
     def reach(self) -> Floats:
         """(k,) [m] how far the face of the block that does not carry the edge goes on beyond it."""
         contacts, (of_a, of_b) = self.contacts, self.owned
@@ -251,13 +260,3 @@ def distance_from_supports(assembly: Assembly, contacts: Contacts) -> Ints:
         if (nearer == away).all():
             return away
         away = nearer
-
-
-def _neighbours(contacts: Contacts) -> tuple[Ints, Ints]:
-    """(k,) the corner that follows each around its interface, and the one before."""
-    start = contacts.start
-    after = np.arange(contacts.corner_count) + 1
-    after[start[1:] - 1] = start[:-1]
-    before = np.empty_like(after)
-    before[after] = np.arange(len(after))
-    return after, before

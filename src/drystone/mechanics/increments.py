@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drystone.base.arrays import Floats, Ints
+from drystone.base.arrays import Floats, Ints, lengths
 from drystone.mechanics.bodies import LIGHT, Bodies
 from drystone.mechanics.law import ContactResponse, respond
 from drystone.mechanics.maps import corner_rows, maps_between
@@ -256,10 +256,10 @@ def longest_way(motion: Floats) -> float:
 
 def travelled(gone: Floats, turn: Floats, radius: Floats, size: Floats) -> Floats:
     """Displacement (f,) by the size, from translations (f, 3) and rotations (f, 3, 3) by radius."""
-    way = np.sqrt((gone * gone).sum(axis=1))
+    way = lengths(gone)
     # |R - 1| = 2 sqrt(2) sin(angle / 2); the trace of R would lose half of the digits
     off = turn - np.eye(3)
-    half = np.sqrt((off * off).sum(axis=(1, 2)) / 8.0)
+    half = lengths(off.reshape(-1, 9)) / np.sqrt(8.0)
     turned = 2.0 * np.arcsin(np.minimum(half, 1.0))
     travel: Floats = (way + turned * radius) / size
     return travel

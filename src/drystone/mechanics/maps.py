@@ -45,6 +45,7 @@ class FullMaps:
         row = 3 * (self.meets % max(len(block_a), 1))[:, None] + np.arange(3)
         column = 6 * both[self.meets][:, None] + np.arange(6)
         self.place = 6 * count * row[:, :, None] + column[:, None]
+        self.rows = np.zeros(self.shape)
 
     def at(self, axes: Floats, arm_a: Floats, arm_b: Floats) -> None:
         """Give the maps, or renew them.
@@ -57,7 +58,6 @@ class FullMaps:
         """
         parts = corner_rows(axes, np.array([arm_a, arm_b]))
         parts[0] *= -1.0
-        self.rows = np.zeros(self.shape)
         self.rows.reshape(-1)[self.place] = parts.reshape(-1, 3, 6)[self.meets]
 
     def moved(self, motion: Floats) -> Floats:

@@ -43,6 +43,7 @@ class Apart(NamedTuple):
     gap: Floats
 
 
+@lru_cache(maxsize=2)
 def faces_apart(model: Model, reach: float) -> Apart:
     """The faces that blocks may meet.
 
@@ -131,9 +132,14 @@ def least_friction(model: Model, contacts: Contacts) -> Floats:
 
 def followed_model(model: Model, apart: Apart) -> tuple[Model, Floats]:
     """The model with the interfaces that a free block takes part in or may meet, and their gaps."""
-    joints = model.contacts.select(model.active)
-    gap = np.concatenate([np.zeros((joints.corner_count, 2)), apart.gap])
-    return model.with_contacts(joined_contacts(joints, apart.contacts)), gap
+    part = _followed(model, apart.contacts)
+    touch = part.contacts.corner_count - len(apart.gap)
+    return part, np.concatenate([np.zeros((touch, 2)), apart.gap])
+
+
+@lru_cache(maxsize=2)
+def _followed(model: Model, apart: Contacts) -> Model:
+    return model.with_contacts(joined_contacts(model.contacts.select(model.active), apart))
 
 
 def model_with_met(model: Model, apart: Apart, met: Bools) -> tuple[Model, Bools, Bools]:

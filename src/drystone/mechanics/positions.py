@@ -71,8 +71,8 @@ def place_corners(bodies: Bodies, pose: BlockPositions) -> Placed:
     carried, tangent, on = slid(bodies.ends, bodies.outlines, np.ascontiguousarray(apart[1:].T))
     lean, left = normal[1:].copy(), apart[1:] - carried.T
     gap = normal[0] * apart[0] + lean[0] * left[0] + lean[1] * left[1]
-    normal[1:] -= lean[0] * tangent[:, 0].T + lean[1] * tangent[:, 1].T
-    point = on_a + carried[:, 0] * frame[1] + carried[:, 1] * frame[2]
+    normal[1:] -= np.einsum("ik,kij->jk", lean, tangent)
+    point = on_a + np.einsum("ki,ijk->jk", carried, frame[1:])
     axes = _product(frame.swapaxes(0, 1), _inclined(normal))
     last = np.ascontiguousarray(point.T), np.ascontiguousarray(axes.transpose(2, 0, 1))
     return Placed(*last, np.where(on, gap, OUT_OF_REACH))
@@ -88,8 +88,7 @@ def _of_corners(values: Floats, block: Ints) -> Floats:
 
 def _product(matrix: Floats, vectors: Floats) -> Floats:
     """(m, 3, k) of matrices (3, 3, k) and m vectors of each (m, 3, k)."""
-    x, y, z = vectors.transpose(1, 0, 2)[:, :, None]
-    return np.asarray(matrix[:, 0] * x + matrix[:, 1] * y + matrix[:, 2] * z)
+    return np.einsum("ijk,mjk->mik", matrix, vectors)
 
 
 def _inclined(normal: Floats) -> Floats:

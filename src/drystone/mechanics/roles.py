@@ -56,8 +56,7 @@ def as_turned(ends: Ends, turned: Bools) -> Ends:
     the corners go round the other way.
     """
     mirror = np.array([1.0, -1.0])
-    before = np.empty_like(ends.after)
-    before[ends.after] = np.arange(len(ends.after))
+    before = np.argsort(ends.after)
     here = turned[:, None]
     # the edge that follows becomes the one before
     outward, tangent = ends.outward[:, ::-1] * mirror, np.eye(2) - ends.tangent
