@@ -248,6 +248,23 @@ def test_earth_weighs_on_a_back_that_leans_and_not_on_what_stands_before_it() ->
     assert load.wrench[0, :3] == pytest.approx([-0.3 * 4e4, 0.0, -2e4])  # half of 1 m by 2 m
 
 
+@pytest.mark.parametrize("degrees", [30.0, 44.0, -60.0])
+def test_earth_presses_square_to_a_wing_wall_that_is_splayed(degrees: float) -> None:
+    """By its true length: K (w h^2 / 2 + q h) less uplift, and water; its friction down."""
+    height, length, lean = 3.0, 5.0, 0.4
+    profile = [(0.0, 0.0), (1.0 + lean, 0.0), (1.0, height), (0.0, height)]
+    places = ((length * i, length * (i + 1.0)) for i in range(3))  # neighbours hide its ends
+    turn = rotation_about(np.array([0.0, 0.0, 1.0]), degrees)
+    each = tuple(prism(profile, at, f"wing-{at[0]:g}") for at in places)
+    wings = Assembly(each, np.zeros(3, dtype=bool)).transformed(turn)
+    words = "side=x,weight=18kN/m3,k=0.3,surcharge=5kPa,water=2m,wall_friction=0.2"
+    force = Earth.named(words).on(wings).wrench[1, :3] @ turn
+    earth = 0.3 * (18e3 * 4.5 + 5e3 * 3.0 - 9810.0 * 2.0) * length
+    water = 9810.0 * 2.0 * length
+    weighs = (18e3 * 4.5 + 5e3 * 3.0) * length * lean / height  # and the water in it
+    np.testing.assert_allclose(force, [-earth - water, 0.0, -weighs - 0.2 * earth], atol=1e-8)
+
+
 def test_pressure_is_drawn_as_a_field_whose_size_is_that_of_the_formula() -> None:
     """K (w h + p) at both ends of each face; factors and a tilt go with it, forces stay arrows."""
     wall = tower(3)

@@ -443,8 +443,9 @@ class Earth(Options):
     Notes
     -----
     At depth h the vertical pressure is ``surcharge + weight * h``, less that of water below its
-    level. It acts on what is inclined and looks up, and ``k`` times it on vertical areas, both
-    where no other block lies before a face; the pressure of water is added.
+    level. It acts on what is inclined and looks up, and ``k`` times it on vertical areas, level and
+    square to the face in plan, both where no other block lies before a face; the pressure of water
+    is added.
 
     Examples
     --------
@@ -510,7 +511,9 @@ class Earth(Options):
             down = np.where(depth > 0.0, self.surcharge, 0.0) + self.weight * depth
             down = np.maximum(down - _WATER * np.minimum(wet, depth), 0.0)
             level, tread = self.k * down, np.maximum(-slope[:, 0], 0.0)  # it looks up
-            force = np.column_stack([-down * tread - self.wall_friction * level, 0.0 * t, -level])
+            aside = level * slope[:, 1]  # square to a face that stands oblique in plan
+            drag = self.wall_friction * np.hypot(level, aside)
+            force = np.column_stack([-down * tread - drag, aside, -level])
             skew = np.column_stack([slope, np.full(len(t), -1.0)])
             return force + _WATER * wet[:, None] * skew
 
