@@ -80,7 +80,8 @@ def document_of(answers: Sequence[Answer], about: TitleBlock) -> Document:
         *(Section(one.title, tuple(_answer(one))) for one in answers),
     ]
     if governing is not None:
-        sections.append(Section("Joints and hand checks", tuple(_checks(*governing, model))))
+        checks = (*_checks(*governing, model), *_sums(answers))
+        sections.append(Section("Joints and hand checks", checks))
     name = about.project or asked.file or "a model"
     entries = {**about.entries(first.when[:10]), "Calculated with": version}
     return Document(f"Stability of {name}", entries, version, _numbered(sections))
@@ -257,7 +258,6 @@ def _loads(model: Model, first: Answer) -> Iterator[Part]:
         }
         if len(first.places):
             yield first.axles()
-            yield first.by_hand()
 
 
 def _applied(model: Model) -> Iterator[Part]:
@@ -337,6 +337,13 @@ def worst_told(result: Result, count: int) -> Iterator[Part]:
             "over its face would carry less torque. No corner exceeds its friction."
         )
     yield tuple(joint_plan(result, table, i) for i in worst)
+
+
+def _sums(answers: Sequence[Answer]) -> Iterator[Part]:
+    """The vertical load of each train by hand."""
+    for one in answers:
+        if isinstance(one, TrainEnvelope) and len(one.places):
+            yield one.by_hand()
 
 
 def _checks(result: Result, title: str, model: Model) -> Iterator[Part]:

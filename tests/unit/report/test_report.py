@@ -427,6 +427,9 @@ def test_a_report_of_a_train_draws_the_worst_place_and_lists_axles_fill_and_both
     first = both.sections[0].parts[0]
     assert str(first).startswith(under.title)  # though the bridge alone is balanced
     assert "Only the train has fill: give that with --load" in html_of(both)
+    for one in (made, both):
+        (hand,) = [each for each in one.sections if each.title.endswith("hand checks")]
+        assert found.by_hand().title in [getattr(part, "title", "") for part in hand.parts]
     axes = draw(found.layers(), (5.0, 3.0), stage=0).axes[0]
     axes.apply_aspect()
     assert axes.get_position().y0 > 0.2  # room for three rows of the legend
