@@ -34,6 +34,7 @@ from drystone.sequence.plans import Plan
 from drystone.sequence.robots import Robot, check_robots, why_not
 from drystone.sequence.scaffolding import Scaffolding, item_numbers
 from drystone.sequence.stages import members
+from drystone.sequence.sweeps import Pose
 
 COVERED = 0.01
 """Largest share of a face that joints may cover while it counts as free to grip. Chosen: a
@@ -371,6 +372,8 @@ def handling(
         robot = "" if arm is None else arm.name
         if isinstance(found, NoPath):
             notes.append(f"'{body.name}': no path was found: {found.reason}")
+        elif arm is not None:
+            found = _within(arm, found, finder, here)
         grips = grip_faces(body, Joints.of(model.contacts, block, here))
         margin = None if margins is None else margins.stages[number]
         placements.append(_placed(plan, number, block, arm, found, grips, margin))
@@ -412,21 +415,26 @@ def without_robot(plan: Plan, robots: Sequence[Robot]) -> list[str]:
     return notes
 
 
-def _within(robot: Robot, frames: Floats, clearance: Floats) -> tuple[Floats, Floats]:
-    """The frames (p, 4, 4) of a path from where it enters the reach of a robot, and clearances."""
-    outside = np.flatnonzero(robot.distance(frames[:, :3, 3]) > robot.reach)
+def _within(robot: Robot, path: RemovalPath, finder: PathFinder, here: Bools) -> RemovalPath:
+    """A path of removal as far as the reach of a robot goes; blocks ``here`` (n,) are in place."""
+    centroid = finder.model.assembly.centroid[path.block]
+    places = np.array([pose.turn @ centroid + pose.shift for pose in path.poses])
+    outside = np.flatnonzero(robot.distance(places) > robot.reach)
     if not len(outside):
-        return frames, clearance
-    leg = slice(outside[-1], outside[-1] + 2)
-    start, end = frames[leg, :3, 3] - np.array(robot.base)
+        return path
+    first = int(outside[0])
+    start, end = places[first - 1 : first + 1] - np.array(robot.base)
     way = end - start
     squared, along = way @ way, start @ way
-    part = (-along - np.sqrt(along**2 - squared * (start @ start - robot.reach**2))) / squared
-    enters = np.eye(4)
-    enters[:3, :3] = Slerp([0.0, 1.0], Rotation.from_matrix(frames[leg, :3, :3]))(part).as_matrix()
-    enters[:3, 3] = frames[leg.start, :3, 3] + part * way
-    rest, least = frames[leg.start + 1 :], clearance[leg].min()
-    return np.concatenate([[enters], rest]), np.append(least, clearance[leg.start + 1 :])
+    part = (-along + np.sqrt(along**2 - squared * (start @ start - robot.reach**2))) / squared
+    turns = Rotation.from_matrix(
+        np.stack([pose.turn for pose in path.poses[first - 1 : first + 1]])
+    )
+    turn = Slerp([0.0, 1.0], turns)(part).as_matrix()
+    last = Pose(turn, places[first - 1] + part * way - turn @ centroid)
+    gap = finder.clearance(path.block, here, last)
+    poses = (*path.poses[:first], last)
+    return replace(path, poses=poses, clearance=np.append(path.clearance[:first], gap))
 
 
 def _placed(
@@ -451,8 +459,6 @@ def _placed(
         approach, clearance, turning = found.approach @ frame, found.clearance[::-1], found.turning
         last = np.diff(approach[-2:, :3, 3], axis=0).sum(axis=0)
         insertion = last / np.linalg.norm(last) if last.any() else insertion
-        if robot is not None:
-            approach, clearance = _within(robot, approach, clearance)
     return Placement(
         step=number + 1,
         name=body.name,

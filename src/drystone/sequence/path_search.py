@@ -215,6 +215,12 @@ class PathFinder:
         search = _PathSearch(self, block, joints, np.flatnonzero(around).tolist())
         return search.run()
 
+    def clearance(self, block: int, here: Bools, pose: Pose) -> float:
+        """Distance [m] of a block in a pose from the others in place (n,), at most its size."""
+        others = [other for other in np.flatnonzero(here).tolist() if other != block]
+        body = self.model.assembly.blocks[block]
+        return Surroundings(self._solids, others).gap(self.mover(block), pose, body.size)
+
     def mover(self, block: int) -> Mover:
         """The moving block."""
         if block not in self._mover:

@@ -53,6 +53,16 @@ def test_a_block_goes_to_a_robot_that_reaches_it():
     assert work.notes == ()
 
 
+def test_the_clearance_where_a_path_enters_the_reach_is_that_of_its_pose():
+    """The block comes down on the tower: as far above it as it is above its place."""
+    team = (Robot("arm", reach=4.0),)
+    (*_, last) = handling(plan(tower(4)), team).placements
+    above = last.approach[0, 2, 3] - last.frame[2, 3]
+    assert len(last.approach) == 2
+    assert 0.2 < above < 1.0
+    assert last.clearance.tolist() == [pytest.approx(above), 0.0]
+
+
 def test_what_no_robot_can_place_is_said():
     weak = Robot("weak", payload=1.0)
     work = handling(plan(tower(3)), [weak])
