@@ -160,9 +160,9 @@ def summary_stage(plan: PlannedSteps, title: str, message: str, verdict: Verdict
         layers=(
             *interface_layers(contacts, here[contacts.block_a] & here[contacts.block_b]),
             *load_layers(assembly, plan.model.load),
-            *_outlined(assembly, waiting, "waiting", "waits for what cannot be placed"),
-            *_outlined(assembly, missing, "left-out", "cannot be placed", "help"),
-            *_outlined(assembly, unsure, "unsure", "not shown to stand when placed"),
+            *outlined(assembly, waiting, "waiting", "waits for what cannot be placed"),
+            *outlined(assembly, missing, "left-out", "cannot be placed", "help"),
+            *outlined(assembly, unsure, "unsure", "not shown to stand when placed"),
         ),
     )  # fmt: skip
 
@@ -243,7 +243,7 @@ def _robot_layers(assembly: Assembly, team: Sequence[Robot]) -> tuple[Layer, ...
     return bases, Layer("reach", label, LayerKind.LINES, "reaction", start[near], way[near])
 
 
-def _outlined(
+def outlined(
     assembly: Assembly, blocks: Sequence[int], key: str, label: str, ink: str = "missed"
 ) -> tuple[Layer, ...]:
     """The edges of blocks that a plan warns of, where they are or would be."""

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drystone.base.arrays import Bools, Floats, frozen_floats
+from drystone.base.display import rounded_up
 from drystone.base.errors import InputError
 from drystone.base.settings import Options
 
@@ -71,18 +72,25 @@ def check_robots(robots: Sequence[Robot]) -> tuple[Robot, ...]:
     return tuple(robots)
 
 
-def why_not(robots: Sequence[Robot], name: str, centroid: Floats, mass: float) -> str:
-    """Why no robot can place a block: it is out of reach, or too heavy."""
+def why_not(
+    robots: Sequence[Robot], name: str, centroid: Floats, mass: float, *, turn: bool = False
+) -> str:
+    """Why no robot can place a block: it is out of reach, or too heavy.
+
+    In ``turn`` there is one, whose turn it is; others may be able to.
+    """
     near = [robot for robot in robots if robot.distance(centroid) <= robot.reach]
     if near:
         strong = max(near, key=lambda robot: robot.payload)
+        which = "whose turn it is" if turn else "the strongest robot that reaches it"
         return (
-            f"too heavy: '{name}' has {mass:.4g} kg, and '{strong.name}', the strongest robot that "
-            f"reaches it, carries {strong.payload:.4g} kg"
+            f"too heavy: '{name}' has {rounded_up(mass):g} kg, and '{strong.name}', {which}, "
+            f"carries {strong.payload:.4g} kg"
         )
     short = min(robots, key=lambda robot: float(robot.distance(centroid)) - robot.reach)
-    missing = float(short.distance(centroid)) - short.reach
+    missing = rounded_up(float(short.distance(centroid)) - short.reach, 3)
+    which = "whose turn it is" if turn else "the robot that comes nearest"
     return (
-        f"{FAR}: '{name}' is {missing:.3g} m too far for '{short.name}', the nearest robot; give "
-        "it a longer reach or another base"
+        f"{FAR}: '{name}' is {missing:g} m too far for '{short.name}', {which}; give it a longer "
+        "reach or another base"
     )

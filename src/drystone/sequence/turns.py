@@ -28,7 +28,7 @@ from drystone.loads import STANDARD_GRAVITY
 from drystone.model import Model
 from drystone.results import Verdict
 from drystone.sequence.evaluation import Evaluator
-from drystone.sequence.plan_layers import stage_of, with_arms, with_reach
+from drystone.sequence.plan_layers import outlined, stage_of, with_arms, with_reach
 from drystone.sequence.plan_steps import falling_words
 from drystone.sequence.robots import Robot, check_robots, why_not
 from drystone.sequence.stage_tree import overloads
@@ -159,16 +159,24 @@ class Turns(Answer):
         if last.works and self.complete is not None:
             words = falling_words(self.complete, names) + self.complete.message
             return f"complete, without holds: {words}"
+        robot, body = self._arm(last), self.model.assembly.blocks[last.block]
+        if not self._placed(last):
+            return why_not([robot], body.name, body.centroid, body.mass, turn=True)
         if not last.answer.stands:
             words = falling_words(last.answer, names) + last.answer.message
             return f"when '{last.robot}' holds '{last.name}': {words}"
-        robot = next(one for one in self.robots if one.name == last.robot)
-        body = self.model.assembly.blocks[last.block]
-        if not robot.manages(body.centroid, np.array(body.mass)):
-            return why_not([robot], body.name, body.centroid, body.mass)
         force = quantity(float(np.linalg.norm(last.force)), "N")
         most = quantity(robot.payload * STANDARD_GRAVITY, "N")
         return f"'{last.robot}' would hold '{last.name}' with {force}, and its payload is {most}"
+
+    def _arm(self, turn: Turn) -> Robot:
+        """The robot of a turn."""
+        return next(one for one in self.robots if one.name == turn.robot)
+
+    def _placed(self, turn: Turn) -> bool:
+        """Whether the robot of a turn reaches its block and lifts it."""
+        body = self.model.assembly.blocks[turn.block]
+        return bool(self._arm(turn).manages(body.centroid, np.array(body.mass)))
 
     def tables(self) -> Sequence[Table]:
         """The turns."""
@@ -214,15 +222,23 @@ class Turns(Answer):
         )  # fmt: skip
 
     def _stages(self, apart: Sequence[Robot]) -> Iterator[SceneStage]:
-        assembly, arms = self.model.assembly, {one.name: one for one in apart}
+        """A stage for each turn; where nobody places its block, the one before still holds."""
+        assembly = self.model.assembly
         state = np.where(assembly.fixed, State.SUPPORT, State.ABSENT)
+        arms, seen, answer = dict[int, Robot](), list[int](), StageAnswer(Verdict.STABLE)
         for i, one in enumerate(self.turns):
-            state[state == State.HELD] = State.FREE
-            state[one.block] = State.HELD
             label = f"step {i + 1} of {len(assembly.free)}: {one.name}"
-            stage = stage_of(self.structure, label, "", state.copy(), one.answer, True)
-            arm = {one.block: arms[one.robot]} if arms else {}
-            yield with_arms(assembly, arm, [one.block], stage)
+            missing = () if self._placed(one) else outlined(
+                assembly, [one.block], "left-out", "cannot be placed", "help"
+            )  # fmt: skip
+            seen.append(one.block)
+            if not missing:
+                state[state == State.HELD] = State.FREE
+                state[one.block], answer = State.HELD, one.answer
+                arms = {one.block: self._arm(one)} if apart else {}
+            stage = stage_of(self.structure, label, "", state.copy(), answer, True)
+            stage = with_arms(assembly, arms, seen, stage)
+            yield replace(stage, layers=(*stage.layers, *missing))
         if self.complete is not None:
             state[state == State.HELD] = State.FREE
             yield stage_of(self.structure, "all blocks", "", state, self.complete, True)

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from drystone import InputError, Model, Structure, Verdict, plan
-from drystone.answer import Role
+from drystone.answer import Role, State
 from drystone.assembly import Assembly
+from drystone.base.display import rounded_up
 from drystone.models import arch, bayonet, bridge, corbelled_bridge, tower, wall
 from drystone.sequence import (
     PlanOptions,
@@ -121,7 +122,10 @@ def test_the_note_of_what_is_out_of_reach_tells_the_farthest() -> None:
     arm = Robot("arm", reach=1.6)
     found = plan(tower(4), options=PlanOptions(rules=Rules(robots=[arm])))
     away = float(arm.distance(found.model.assembly.centroid[3])) - 1.6
-    assert f"'block-3' is {away:.3g} m too far for 'arm'" in found.notes[0]
+    told = rounded_up(away, 3)
+    assert f"'block-3' is {told:g} m too far for 'arm', the robot that comes" in found.notes[0]
+    enough = PlanOptions(rules=Rules(robots=[Robot("arm", reach=1.6 + told)]))
+    assert not plan(tower(4), options=enough).impossible
 
 
 def test_what_comes_after_a_block_that_nobody_places_is_not_placed() -> None:
@@ -399,3 +403,25 @@ def test_turns_are_an_answer_with_a_page() -> None:
     stopped = take_turns(arch(0.15, 11), friction=0.7, time_limit_s=0.0)
     assert len(stopped.turns) == 1
     assert stopped.news is Role.UNSURE
+
+
+def test_a_turn_whose_robot_cannot_place_its_block_is_told_and_drawn_so() -> None:
+    """The other robot reaches it, and holds the block before; the picture has it as missing."""
+    team = [Robot("a", (-1.2, -0.5, 0.0), 1.6, 120.0), Robot("b", (1.2, -0.5, 0.0), 1.6, 120.0)]
+    found = take_turns(arch(0.15, 11), robots=team, friction=0.7)
+    told = "'voussoir-01' is 0.639 m too far for 'b', whose turn it is;"
+    assert told in found.sentences()[-1].text
+    placed, last = found.layers().stages
+    block = found.turns[-1].block
+    layers = {layer.key: layer for layer in last.layers}
+    assert last.state.tolist() == placed.state.tolist()
+    assert last.state[block] == State.ABSENT
+    assert layers["arms"].label == "'a' holds voussoir-00"
+    assert layers["left-out"].label == "cannot be placed"
+    weak = [Robot("a", (-2.0, 0.0, 0.0), payload=20.0), Robot("b", (2.0, 0.0, 0.0))]
+    found = take_turns(arch(0.15, 11), robots=weak, friction=0.7)
+    assert "'a', whose turn it is, carries 20 kg" in found.sentences()[-1].text
+    (last,) = found.layers().stages
+    layers = {layer.key for layer in last.layers}
+    assert "left-out" in layers
+    assert not {"arms", "help"} & layers
