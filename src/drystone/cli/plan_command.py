@@ -204,16 +204,7 @@ def plan(
     are known to be placed last.
     """
     refuse_unused(chosen.scaffold_options, chosen.scaffold)
-    others = (
-        chosen.scaffold,
-        margins,
-        sweep,
-        best,
-        before,
-        reach,
-        wanted.work,
-        wanted.instructions,
-    )
+    others = chosen.scaffold, margins, sweep, best, before, reach, wanted.work, wanted.instructions
     if turns and any(others):
         raise InputError(
             "takes no --scaffold, --margins, --sweep, --best, --before, --reach, --work, --print",

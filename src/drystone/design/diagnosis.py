@@ -20,7 +20,7 @@ from drystone.base.errors import InputError, counted
 from drystone.base.progress import Clock, Stopped
 from drystone.base.settings import Options, checked_call
 from drystone.base.workers import WorkerPool
-from drystone.checks import first_motion_of
+from drystone.checks import first_motion_of, moving_joints
 from drystone.design import words
 from drystone.design.bench import Bench
 from drystone.design.joint_motion import JointState, joint_states, sentence
@@ -126,7 +126,8 @@ def diagnose(
     groups = regions_of(model, answer.falling)
     regions: list[Region] = []
     looked = groups[: chosen.regions]
-    task = partial(_region, model, answer, prop, chosen, clock)
+    motion = frozen(first_motion_of(model, prop))
+    task = partial(_region, model, answer, prop, motion, chosen, clock)
     clock.tell("what falls", 0, len(looked))
     with WorkerPool(clock.workers) as pool:
         for region in pool.answers(task, looked):
@@ -135,7 +136,6 @@ def diagnose(
     others = tuple(i for blocks in groups[chosen.regions :] for i in blocks)
     wanted = chosen.needs and not others and not clock.late()
     friction = _friction_of_all(model, regions, clock.late) if wanted else None
-    motion = frozen(first_motion_of(model, prop))
     return Diagnosis(answer, tuple(regions), motion, friction, others, clock.reason)
 
 
@@ -143,6 +143,7 @@ def _region(
     model: Model,
     answer: Result,
     prop: Floats,
+    drawn: Floats,
     options: DiagnosisOptions,
     clock: Clock,
     blocks: tuple[int, ...],
@@ -178,7 +179,7 @@ def _region(
         alone.verdict,
         joints,
         needs,
-        sentence(model, blocks, joints, needs),
+        sentence(model, blocks, joints, needs, moving_joints(model, drawn)[0]),
     )
 
 

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drystone.base.arrays import ROUNDING, Bools, Floats, frozen
+from drystone.base.arrays import ROUNDING, Bools, Floats, frozen, lengths
 from drystone.base.display import OneLine, rounded_up
 from drystone.base.errors import counted
 from drystone.base.units import quantity
-from drystone.checks import block_speed, corner_motion
+from drystone.checks import block_speed, corner_motion, moving_joints
 from drystone.contacts import Contacts
 from drystone.design.needs import Needs
 from drystone.design.words import (
@@ -27,18 +27,16 @@ from drystone.design.words import (
     place,
 )
 from drystone.friction_use import utilisation_of
-from drystone.geometry.kern import edge_ratio
-from drystone.joints import Resultants, resultants_of
+from drystone.joints import resultants_of
 from drystone.model import Model
-from drystone.virtual import joint_sections
 
 STILL = 1e-2
-"""A corner is at rest, or a gap stays closed, if the motion there is below this share of the larger
+"""A joint is at rest if the motion of its corners is below this share of the larger
 motion of the two blocks. Chosen: half a degree of direction."""
 
 _FULL = 1e-3
-"""Friction is at its limit, and a joint is a hinge, within this share of the limit. Chosen: above
-the error due to weak ground springs."""
+"""Friction is at its limit within this share of it. Chosen: above the error due to weak ground
+springs."""
 
 
 _STEEP = 0.5
@@ -81,8 +79,6 @@ class JointState(OneLine):
         It carries nothing.
     spent
         Its friction is at the limit.
-    hinge
-        It presses along one edge only.
     """
 
     interface: int
@@ -95,7 +91,6 @@ class JointState(OneLine):
     friction_use: float
     idle: bool
     spent: bool
-    hinge: bool
 
 
 def joint_states(
@@ -122,63 +117,49 @@ def joint_states(
     neighbour = np.where(seen_from_a, contacts.block_b, contacts.block_a)
     idle = resultants.normal <= max(ROUNDING, 1e-6) * weight[block]
     use = np.where(idle, 0.0, utilisation_of(contacts, resultants))
-    hinge = ~idle & (_eccentricity(contacts, resultants) >= 1.0 - _FULL)
+    hinge, slide, _ = moving_joints(model, motion)
     states = []
     for i in np.flatnonzero(interfaces).tolist():
         sign = -1.0 if seen_from_a[i] else 1.0
         corners = moved[contacts.start[i] : contacts.start[i + 1]]
         reach = float(max(speed[block[i]], speed[neighbour[i]]))
-        kind = _kind(corners, reach, sign * contacts.frame[i, 0], contacts.frame[i], sign)
+        kind = JointMotion.STAYS
+        if lengths(corners).max() > STILL * reach:
+            away = sign * contacts.frame[i, 0]
+            kind = _kind(corners, away, sign * contacts.frame[i].T, bool(hinge[i]), bool(slide[i]))
         mean = sign * contacts.frame[i].T @ corners.mean(axis=0)
         size = float(np.linalg.norm(mean))
-        states.append(
-            JointState(
-                i,
-                int(block[i]),
-                int(neighbour[i]),
-                kind,
-                frozen(np.zeros(3) if kind is JointMotion.STAYS or size == 0.0 else mean / size),
-                _edge(contacts, i, corners) if kind is JointMotion.HINGES else None,
-                float(resultants.normal[i]),
-                float(use[i]),
-                bool(idle[i]),
-                bool(use[i] >= 1.0 - _FULL),
-                bool(hinge[i]),
-            )
-        )
+        stays = kind is JointMotion.STAYS or size == 0.0
+        direction = frozen(np.zeros(3) if stays else mean / size)
+        edge = _edge(contacts, i, corners) if kind is JointMotion.HINGES else None
+        state = JointState(
+            i, int(block[i]), int(neighbour[i]), kind, direction, edge,
+            float(resultants.normal[i]), float(use[i]), bool(idle[i]), bool(use[i] >= 1.0 - _FULL),
+        )  # fmt: skip
+        states.append(state)
     return tuple(states)
 
 
-def _eccentricity(contacts: Contacts, resultants: Resultants) -> Floats:
-    """Eccentricity (m,) of the resultant relative to the edge of the joint: 1 is a hinge."""
-    origin, corners, made = joint_sections(contacts)
-    at = np.einsum("mij,mj->mi", contacts.frame[:, 1:], resultants.position - origin)
-    return edge_ratio(made, corners, contacts.start, at)
-
-
-def _kind(moved: Floats, reach: float, away: Floats, frame: Floats, sign: float) -> JointMotion:
+def _kind(moved: Floats, away: Floats, frame: Floats, hinge: bool, slide: bool) -> JointMotion:
     """The kind of motion from that of the corners (c, 3), local, of block b against a.
 
     Parameters
     ----------
-    moved, reach
+    moved
     away : (3,)
         Unit normal from the neighbour to the block.
-    frame, sign
-        Of the interface; 1 where the block is block b.
+    frame : (3, 3)
+        From local axes to the motion of the block against its neighbour.
+    hinge, slide
+        Whether it turns about an edge, and whether it slides.
     """
-    opening, slide = moved[:, 0], np.linalg.norm(moved[:, 1:], axis=1)
-    if max(np.abs(opening).max(), slide.max()) <= STILL * reach:
-        return JointMotion.STAYS
-    closed = opening <= STILL * np.maximum(slide.max(), reach * STILL)
-    if closed.all():
-        along = moved.mean(axis=0)  # less than the rest where the centre of the turn is in the face
-        turned = np.linalg.norm((moved - along)[:, 1:], axis=1)
-        return JointMotion.TURNS if np.hypot(*along[1:]) < turned.max() else JointMotion.SLIDES
-    if closed.any():
+    if hinge:
         return JointMotion.HINGES
-    mean = sign * frame.T @ moved.mean(axis=0)
-    return JointMotion.DROPS if away[2] < 0.0 and mean[2] < 0.0 else JointMotion.LIFTS
+    mean = moved.mean(axis=0)  # less than the rest where the centre of the turn is in the face
+    if slide:
+        turned = lengths((moved - mean)[:, 1:]).max()
+        return JointMotion.TURNS if np.hypot(*mean[1:]) < turned else JointMotion.SLIDES
+    return JointMotion.DROPS if away[2] < 0.0 and (frame @ mean)[2] < 0.0 else JointMotion.LIFTS
 
 
 def _edge(contacts: Contacts, interface: int, moved: Floats) -> Floats:
@@ -189,12 +170,15 @@ def _edge(contacts: Contacts, interface: int, moved: Floats) -> Floats:
 
 
 def sentence(
-    model: Model, blocks: tuple[int, ...], joints: Sequence[JointState], needs: Needs
+    model: Model, blocks: tuple[int, ...], joints: Sequence[JointState], needs: Needs, hinge: Bools
 ) -> str:
-    """The motion of a region, its cause, and what would hold it, as text."""
+    """The motion of a region, its cause, and what would hold it, as text.
+
+    ``hinge`` (m,) are the hinges of the motion that is drawn, of all regions.
+    """
     subject = ("block " if len(blocks) == 1 else "blocks ") + names_of(model, blocks)
     parts = [f"{subject} {_motion(model, blocks, joints)}", _beyond(model, blocks, joints)]
-    parts.append(_cause(model, blocks, joints))
+    parts.append(_cause(model, blocks, joints, hinge))
     return "; ".join(part for part in (*parts, _remedy(model, blocks, needs)) if part)
 
 
@@ -252,7 +236,9 @@ def _beyond(model: Model, blocks: tuple[int, ...], joints: Sequence[JointState])
     return f"its centre is {over} beyond the edge of its joint with {neighbour}"
 
 
-def _cause(model: Model, blocks: tuple[int, ...], joints: Sequence[JointState]) -> str:
+def _cause(
+    model: Model, blocks: tuple[int, ...], joints: Sequence[JointState], hinge: Bools
+) -> str:
     """The joints that carry nothing, else those that slide or are hinges."""
     them = "it" if len(blocks) == 1 else "them"
     idle = [j for j in joints if j.idle]
@@ -263,7 +249,8 @@ def _cause(model: Model, blocks: tuple[int, ...], joints: Sequence[JointState]) 
         _joints_with(model, blocks, [j for j in joints if j.spent], "has no friction left"),
     ]
     if len(blocks) > 1:
-        said.append(_joints_with(model, (), [j for j in joints if j.hinge], "is a hinge"))
+        turns = [joint for joint in joints if hinge[joint.interface]]
+        said.append(_joints_with(model, (), turns, "is a hinge"))
     return ", ".join(part for part in said if part)
 
 

@@ -446,11 +446,8 @@ def _placed(
     grips: list[GripFace],
     margins: Margin | None,
 ) -> Placement:
-    step, body, names = (
-        plan.steps[number],
-        plan.model.assembly.blocks[block],
-        plan.model.assembly.names,
-    )
+    assembly = plan.model.assembly
+    step, body, names = plan.steps[number], assembly.blocks[block], assembly.names
     frame = np.eye(4)
     frame[:3, 3] = body.centroid
     approach, clearance, turning = np.zeros((0, 4, 4)), np.zeros(0), False

@@ -379,10 +379,7 @@ class _Planner:
             fails = order.failures[number]
             if step.answer.stands and fails is not None:
                 answer = replace(
-                    step.answer,
-                    verdict=fails.verdict,
-                    message=fails.message,
-                    falling=fails.falling,
+                    step.answer, verdict=fails.verdict, message=fails.message, falling=fails.falling
                 )
                 step = replace(step, answer=answer)
             if told:

@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 import drystone
 from drystone.answer.question import asked_line
-from drystone.assembly import replace_block
+from drystone.assembly import Assembly, replace_block
 from drystone.base.arrays import lengths
 from drystone.checks import corner_motion
 from drystone.design import Changed, DiagnosisOptions, MendOptions, find_mends
@@ -106,6 +106,26 @@ def test_the_hinges_of_a_thin_arch_are_those_that_its_sentence_counts() -> None:
     assert stage.motion is not None
     moved = corner_motion(model.assembly, model.contacts, stage.motion)
     assert moved[:, 0].min() > -1e-5 * np.abs(moved).max()  # no block enters another
+
+
+def test_a_hinge_is_a_joint_that_turns_about_an_edge_in_words_and_in_the_picture() -> None:
+    """Slabs far out on lintels over four posts: forces act at the edges of four joints, and the
+    lintels turn on two posts."""
+    blocks = [box((8.0, 8.0, 1.0), (-2.0, -2.0, -1.0), "ground")]
+    places = [(0.0, 0.0), (3.0, 0.0), (0.0, 3.0), (3.0, 3.0)]
+    blocks += [box((0.4, 0.4, 2.0), (*at, 0.0), f"post-{i}") for i, at in enumerate(places)]
+    blocks += [box((6.9, 0.4, 0.3), (0.0, 3.0 * i, 2.0), f"lintel-{i}") for i in range(2)]
+    blocks += [box((1.2, 3.4, 0.2), (5.7 + 1.2 * i, 0.0, 2.3), f"slab-{i}") for i in range(3)]
+    model = drystone.Model.of(Assembly(tuple(blocks), np.arange(len(blocks)) < 1), friction=0.6)
+    found = drystone.check(model)
+    (region,) = drystone.diagnose(
+        model, result=found, options=DiagnosisOptions(needs=False)
+    ).regions
+    assert "hinge about edges of 'post-1' and 'post-3'" in region.sentence
+    assert "2 joints are hinges" in region.sentence
+    (stage,) = scene_of(found).stages
+    (hinges,) = (layer for layer in stage.layers if layer.key == "hinges")
+    assert hinges.count == 2
 
 
 def test_what_a_mend_added_is_marked_and_what_was_there_is_not() -> None:
