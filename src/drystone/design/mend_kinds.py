@@ -29,7 +29,7 @@ from drystone.design.margin import LARGE_REGION, SMALL_REGION, DesignMargin
 from drystone.design.needs import SEARCHED, props_of, pulls_of_region
 from drystone.design.proposals import KnownNeeds, Proposals, Take, Tries, held_by
 from drystone.design.props import PropSeat, carries, find_props, struts
-from drystone.design.words import force_words, glue_words, names_of, newtons, place, towards
+from drystone.design.words import force_words, glue_words, listed, names_of, newtons, place, towards
 from drystone.model import Model
 from drystone.supports import laid_ground
 from drystone.ties import tied
@@ -305,7 +305,7 @@ def _thicker(asked: KnownNeeds) -> Proposals:
         told = f"{names} thicker by {100.0 * share:.0f} %, half of it on each face"
         return f"{told}; they overhang {beside} where these are no wider" if beside else told
 
-    why = f"up to {100.0 * _SHARES[-1]:g} % more thickness"
+    why = f"{listed([f'{100.0 * share:g}' for share in _SHARES])} % more thickness"
     yield Tries([Change("thicker", make, words, _SHARES, 0.02)], why)
 
 

@@ -386,6 +386,15 @@ def test_of_many_blocks_the_least_value_that_the_whole_needs_is_told() -> None:
     assert only.result.samples.standing == only.result.samples.tried
 
 
+def test_thicknesses_that_were_tried_are_told() -> None:
+    """However thick, a plate whose middle lies beyond its edge tips."""
+    base, out = box((1.0, 1.0, 1.0), name="base"), box((1.0, 1.0, 0.2), (0.7, 0.0, 1.0), "out")
+    model = Model.of(Assembly((base, out)).with_fixed([0]), friction=0.6)
+    found = find_mends(model, options=MendOptions(kinds=("thicker",)))
+    ((_, tried),) = found.tried
+    assert tried.what.startswith("10, 30 and 100 % more thickness")
+
+
 def test_blocks_to_keep_are_not_changed() -> None:
     base, out = box((1.0, 1.0, 1.0), name="base"), box((1.0, 1.0, 0.2), (0.7, 0.0, 1.0), "out")
     kinds = ("let-in", "glue", "thicker", "friction", "merge", "turn", "slide")
