@@ -128,6 +128,8 @@ class Layer(OneLine):
         ``loads``, ``reactions``, ``acceleration`` of all masses.
     shape
         Of markers.
+    text : (p,)
+        Written beside each entry; empty strings where there is nothing to write.
     """
 
     key: str
@@ -147,6 +149,7 @@ class Layer(OneLine):
     width: float = 1.0
     group: str = "forces"
     shape: MarkerShape = MarkerShape.DISC
+    text: tuple[str, ...] | None = None
 
     def __post_init__(self) -> None:
         if self.colour not in ROLES:
@@ -160,7 +163,7 @@ class Layer(OneLine):
             raise InputError(
                 f"layer '{self.key}': arrows and lines have a vector, polygons and markers none"
             )
-        points = dict.fromkeys(("vector", "value"), len(self.position))
+        points = dict.fromkeys(("vector", "value", "text"), len(self.position))
         for name, count in {**points, "interface": self.count, "block": self.count}.items():
             given = getattr(self, name)
             if given is not None and len(given) != count:

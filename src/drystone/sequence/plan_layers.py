@@ -218,8 +218,9 @@ def with_arms(
 
 def _robot_layers(assembly: Assembly, team: Sequence[Robot]) -> tuple[Layer, ...]:
     """The bases of robots, and the edges of their reach in the middle plane of the blocks."""
-    base, mark = np.array([one.base for one in team]), MarkerShape.DIAMOND
-    bases = Layer("robots", "base of a robot", LayerKind.MARKERS, "load", base, shape=mark)
+    base, names = np.array([one.base for one in team]), tuple(one.name for one in team)
+    bases = Layer("robots", "base of a robot", LayerKind.MARKERS, "load", base, text=names)
+    bases = replace(bases, shape=MarkerShape.DIAMOND)
     low = np.minimum(assembly.bounds[:, 0].min(axis=0), base.min(axis=0))
     high = np.maximum(assembly.bounds[:, 1].max(axis=0), base.max(axis=0))
     past = 0.1 * float(np.linalg.norm(high - low)) * np.array([1.0, 1.0, 1e-3])  # not below ground
@@ -227,20 +228,23 @@ def _robot_layers(assembly: Assembly, team: Sequence[Robot]) -> tuple[Layer, ...
     free = assembly.centroid[assembly.free]
     middle = 0.5 * (free.min(axis=0) + free.max(axis=0))
     normal = min((1, 0, 2), key=lambda axis: round(float(np.ptp(free[:, axis])), 9))
-    rings = []
+    start, way, text = [base[:0]], [base[:0]], list[str]()
     for one in team:
         aside = middle[normal] - one.base[normal]
         radius = np.sqrt(max(one.reach**2 - aside**2, 0.0))
         if 0.0 < radius < np.inf:
             ring = radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
-            rings.append(one.base + np.insert(ring, normal, aside, axis=1))
-    edges = np.array(rings).reshape(-1, 121, 3)
-    start, way = edges[:, :-1].reshape(-1, 3), np.diff(edges, axis=1).reshape(-1, 3)
-    near = ((start >= low - past) & (start + way >= low - past) & (start < high + past[0])).all(1)
-    if not near.any():
+            edge = one.base + np.insert(ring, normal, aside, axis=1)
+            near = ((edge >= low - past) & (edge < high + past[0])).all(axis=1)
+            near = np.flatnonzero(near[:-1] & near[1:])
+            start.append(edge[near])
+            way.append(edge[near + 1] - edge[near])
+            text += [one.name if i == edge[near, 2].argmax() else "" for i in range(len(near))]
+    if not text:
         return (bases,)
-    label = "where a reach ends, in the middle plane of the blocks"
-    return bases, Layer("reach", label, LayerKind.LINES, "reaction", start[near], way[near])
+    label, line = "where a reach ends, in the middle plane of the blocks", LayerKind.LINES
+    parts = np.concatenate(start), np.concatenate(way)
+    return bases, Layer("reach", label, line, "reaction", *parts, text=tuple(text))
 
 
 def outlined(

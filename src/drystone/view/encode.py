@@ -337,6 +337,8 @@ def _layer(layer: Layer, scene: Scene, blobs: _Blobs) -> dict[str, Any]:
         data["interface"] = blobs.counts(scene.contacts.joint[layer.interface])
     if layer.block is not None:
         data["block"] = blobs.counts(layer.block)
+    if layer.text is not None:
+        data["text"] = [(i, one) for i, one in enumerate(layer.text) if one]
     if layer.kind is LayerKind.POLYGONS and layer.start is not None:
         data["corners"] = blobs.counts(np.diff(layer.start))
         data["triangle"] = blobs.counts(

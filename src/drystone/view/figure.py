@@ -41,7 +41,7 @@ from drystone.view.palette import (
 )
 from drystone.view.plots import save_chart, save_plot
 from drystone.view.section import cut_at, seen_behind
-from drystone.view.sheet import Sheet, draw_labels, draw_shadow
+from drystone.view.sheet import Sheet, draw_labels, draw_shadow, write_beside
 from drystone.view.subjects import Subject, scene_of
 
 if TYPE_CHECKING:
@@ -216,6 +216,7 @@ def draw(
     draw_motion(sheet)
     for layer in left:
         draw_layer(sheet, layer, arrow_scale)
+        write_beside(sheet, layer)
     draw_labels(sheet, drawn if opacity == 1.0 else None, numbers=PRESETS[key].numbers, names=names)
     axes.autoscale_view()
     axes.margins(0.03)

@@ -10,7 +10,7 @@ import numpy as np
 import shapely
 
 from drystone.answer.question import UP
-from drystone.answer.scene import Scene, SceneStage, State
+from drystone.answer.scene import Layer, Scene, SceneStage, State
 from drystone.assembly import Block
 from drystone.base.arrays import Floats
 from drystone.geometry.frames import rotation_about
@@ -205,6 +205,16 @@ def draw_labels(
                 "alpha": 0.75, "lw": 0,
             },
         )  # fmt: skip
+
+
+def write_beside(sheet: Sheet, layer: Layer) -> None:
+    """The texts of a layer, below its entries."""
+    for place, text in zip(sheet.project(layer.position), layer.text or (), strict=False):
+        if text:
+            sheet.axes.annotate(
+                text, place, (0.0, -6.0), textcoords="offset points", ha="center", va="top",
+                fontsize=_SIZE, zorder=1e6, parse_math=False, color=sheet.colours["edge"],
+            )  # fmt: skip
 
 
 def _seen(drawn: list[tuple[int, Floats]]) -> dict[int, Any]:

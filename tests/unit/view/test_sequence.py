@@ -8,11 +8,13 @@ import pytest
 from drystone.answer import Role
 from drystone.detection import find_contacts
 from drystone.model import Model
-from drystone.models import arch, box, prism, tower
+from drystone.models import arch, box, bridge, prism, tower
 from drystone.report import save_instructions
 from drystone.results import Verdict
 from drystone.sequence import Plan, PlanOptions, Robot, Rules, Status, handling, plan
 from drystone.view import State, page_text
+from drystone.view.encode import encode
+from drystone.view.figure import draw
 from drystone.view.sheet import shown_middle
 
 
@@ -80,6 +82,24 @@ def test_a_reach_ends_in_the_plane_of_the_blocks_and_what_is_out_of_it_is_outlin
     bounds = found.model.assembly.bounds[[*found.impossible]]
     np.testing.assert_allclose([ends.min(axis=0), ends.max(axis=0)],
                                [bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0)])  # fmt: skip
+
+
+def test_bases_and_ends_of_reach_have_the_names_of_their_robots() -> None:
+    team = [Robot("left", (-2.0, 0.0, 0.0), 2.9), Robot("right", (2.0, 0.0, 0.0), 2.9)]
+    found = plan(bridge(), friction=0.5, options=PlanOptions(rules=Rules(robots=team)))
+    scene = found.layers()
+    layers = {layer.key: layer for layer in scene.stages[-1].layers}
+    assert layers["robots"].text == ("left", "right")
+    edge = layers["reach"]
+    assert sorted(filter(None, edge.text)) == ["left", "right"]
+    for place, name in zip(edge.position, edge.text, strict=True):
+        base = np.array(team[name == "right"].base)
+        if name:
+            assert np.linalg.norm(place - base) == pytest.approx(2.9)
+    written = [one.get_text() for one in draw(scene, (9.0, 6.5)).axes[0].texts]
+    assert written.count("left") == written.count("right") == 2
+    sent = [one for one in encode(scene)["stages"][-1]["layers"] if "text" in one]
+    assert [sorted(text for _, text in one["text"]) for one in sent] == [["left", "right"]] * 2
 
 
 def test_the_last_stage_shows_every_status(planned):

@@ -138,7 +138,7 @@ function labelsSvg(view, size, { ink, paper }) {
     word(text, x + pixels / 2, y - 6),
   ];
   const told = { names: shownLayers.get("names"), numbers: shownLayers.get("numbers"), hidden: page.hidden };
-  if ((told.names || told.numbers) && view.time === 0) {
+  if (view.time === 0) {
     const pen = element("canvas").getContext("2d");
     pen.font = `11px ${CAPTION_FONT}`;
     const kept = apart(blockLabels(data, stage(), view, size, told), (one) => pen.measureText(one).width, 15);

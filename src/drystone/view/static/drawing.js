@@ -220,7 +220,7 @@ function drawMarks(pen, seen, ratio) {
   pen.clearRect(0, 0, size.width, size.height);
   const names = shownLayers.get("names");
   const numbers = shownLayers.get("numbers");
-  if ((names || numbers) && view.time === 0) {
+  if (view.time === 0) {
     drawLabels(pen, blockLabels(data, stage(), view, size, { names, numbers, hidden: page.hidden }), colours);
   }
   if (page.joint >= 0 && view.time === 0) drawJoint(pen, data, stage(), page.joint, view, size, colours);

@@ -19,7 +19,8 @@ function apart(labels, measure, height) {
 // Names and numbers: on what is seen of a block, or in its middle where blocks are glassy. While pictures
 // come slowly nothing is looked for.
 function blockLabels(data, stage, view, size, { names, numbers, hidden }) {
-  const out = [];
+  const out = layerLabels(stage, view, size);
+  if (!names && !numbers) return out;
   const solid = view.showBlocks && view.opacity >= 1 && renderer;
   if (solid && view.hurried) return out;
   const seen = solid ? seenBlocks(renderer, view, size) : null;
@@ -37,6 +38,15 @@ function blockLabels(data, stage, view, size, { names, numbers, hidden }) {
     out.push({ ...place, ...seen?.get(i), text: text.length > 40 ? `${text.slice(0, 39)}\u2026` : text });
   }
   return out;
+}
+
+// What is written below entries of layers.
+function layerLabels(stage, view, size) {
+  return stage.layers.filter((layer) => layer.text && shownLayers.get(layer.key)).flatMap((layer) =>
+    layer.text.flatMap(([i, text]) => {
+      const place = projected(view.projection, layer.position.subarray(3 * i, 3 * i + 3), size.width, size.height);
+      return place ? [{ ...place, y: place.y + 14, text }] : [];
+    }));
 }
 
 function drawLabels(pen, labels, colours) {
