@@ -214,6 +214,7 @@ def write_beside(sheet: Sheet, layer: Layer) -> None:
             sheet.axes.annotate(
                 text, place, (0.0, -6.0), textcoords="offset points", ha="center", va="top",
                 fontsize=_SIZE, zorder=1e6, parse_math=False, color=sheet.colours["edge"],
+                bbox={"pad": 1.0, "facecolor": sheet.colours["background"], "lw": 0},
             )  # fmt: skip
 
 
