@@ -215,7 +215,8 @@ class Relaxation:
             wrench[:, 3:] /= radius
             grown = np.minimum(number * by_free / RAMP, 1.0)
             left = grown * bodies.load + wrench
-            speed = (speed + by_free * left / bodies.mass[:, None]) / (1.0 + DRAG * by_free)
+            gained = np.linalg.solve(bodies.turned_mass(pose.turn), left[:, :, None])[:, :, 0]
+            speed = (speed + by_free * gained) / (1.0 + DRAG * by_free)
             step = by_free * speed
             step[:, 3:] /= radius
             turned = pose.turn.copy()
@@ -327,12 +328,14 @@ def _gather(slot: Ints, count: int) -> sparse.csr_matrix:
 
 def _time_step(bodies: Bodies) -> Floats:
     """(n,) nine tenths of what is stable by the sum of the stiffnesses, for one free block each."""
-    stiffness = np.zeros(len(bodies.centroid))
-    for block, arm in ((bodies.block_a, bodies.arm_a), (bodies.block_b, bodies.arm_b)):
-        far = (arm**2).sum(axis=1) / bodies.radius[block] ** 2
-        np.add.at(stiffness, block, (bodies.normal + bodies.tangential) * (1.0 + far))
+    stiffness, least = np.zeros(len(bodies.centroid)), np.ones(len(bodies.centroid))
     mass = np.ones(len(bodies.centroid))
-    mass[bodies.free] = bodies.mass
+    mass[bodies.free] = bodies.mass[:, 0, 0]
+    least[bodies.free] = np.linalg.eigvalsh(bodies.mass[:, 3:, 3:])[:, 0]
+    turning = least / mass * bodies.radius**2
+    for block, arm in ((bodies.block_a, bodies.arm_a), (bodies.block_b, bodies.arm_b)):
+        far = (arm**2).sum(axis=1) / turning[block]
+        np.add.at(stiffness, block, (bodies.normal + bodies.tangential) * (1.0 + far))
     of_free = 1.8 * np.sqrt(mass / np.maximum(stiffness, 1e-300))
     # its supports take its step
     out = np.zeros(len(of_free))

@@ -358,6 +358,24 @@ def test_edges_of_four_blocks_that_meet_in_a_line_hold_nothing() -> None:
 
 
 @pytest.mark.parametrize(
+    ("beams", "opening", "least"),
+    [(5, 0.1, 0.627), (6, 0.1, 0.7985), (6, 0.12, 0.5775)],
+)
+def test_a_reciprocal_frame_stands_with_more_friction_than_the_least(
+    beams: int, opening: float, least: float
+) -> None:
+    """Where following begins with a fall, beams that hardly roll slip off each other instead."""
+    frame = reciprocal_frame(beams, opening)
+    scan = [*least * np.array([0.8, 0.98]), *np.arange(1.01 * least, 1.5, 0.1)]
+    for friction in map(float, scan):
+        model = Model.of(frame, friction=friction)
+        assert check(model).verdict is (Verdict.STABLE if friction > least else Verdict.UNSTABLE)
+        for shear in (0.17, 0.5):
+            options = SettlementOptions(tangential=shear)
+            assert settle(model, options=options).rests is (friction > least)
+
+
+@pytest.mark.parametrize(
     ("build", "least"),
     [
         (partial(reciprocal_frame, 3, 0.1), 0.394),

@@ -16,6 +16,7 @@ import numpy as np
 
 from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Floats, Ints, cross, dot, lengths, plane_cross
+from drystone.base.ragged import sum_by_owner
 from drystone.geometry.polyhedron import fan_triangles
 from drystone.joints import SWAY
 from drystone.mechanics.corners import Carrier, Ends, joint_ends
@@ -51,7 +52,7 @@ class Bodies:
     slot : (n,) number of each block among the free ones, -1 for a support
     centroid : (n, 3) before the motion
     radius : (n,) of gyration about the centroid, the mean over all axes
-    mass : (f,) by the mean
+    mass : (f, 6, 6) of each free block before the motion, by the mean mass and its radius
     load : (f, 6) force, and moment by the radius of gyration
     size : (n,) cube root of the volume
     block_a, block_b : (k,) positions of the blocks: the corner slides over the face of a
@@ -97,6 +98,12 @@ class Bodies:
     def light(self) -> bool:
         """Whether a block feels much less than the mean load, and this is known."""
         return self.felt is not None and bool((self.felt < LIGHT).any())
+
+    def turned_mass(self, turn: Floats) -> Floats:
+        """The mass (f, 6, 6) of blocks that have turned by rotations (n, 3, 3)."""
+        mass, turn = self.mass.copy(), turn[self.free]
+        mass[:, 3:, 3:] = turn @ mass[:, 3:, 3:] @ turn.swapaxes(1, 2)
+        return mass
 
     def with_felt(self, force: Floats) -> Bodies:
         """The same where blocks feel their load and corner forces (k, 3).
@@ -173,7 +180,8 @@ def build_bodies(
     # relative to a point of the model, so a distant origin costs no digits
     origin = assembly.centroid[free].mean(axis=0)
     centroid = (assembly.centroid - origin) / length
-    radius = gyration_radii(assembly) / length
+    turning, radius = gyration(assembly)
+    radius = radius / length
     wrench = model.load.wrench[free]
     load = np.concatenate([wrench[:, :3], wrench[:, 3:] / (length * radius[free, None])], axis=1)
     strength = np.linalg.norm(load[:, :3], axis=1) + np.linalg.norm(load[:, 3:], axis=1)
@@ -185,7 +193,9 @@ def build_bodies(
     middle = contacts.corners.sum(point) / contacts.corners.counts[:, None]
     out = point - middle[joint]
     point += SWAY * out / np.maximum(lengths(out), 1e-300)[:, None]
-    mass = assembly.mass[free]
+    mass = np.tile(np.eye(6), (len(free), 1, 1))
+    mass[:, 3:, 3:] = turning[free]
+    mass *= (assembly.mass[free] / assembly.mass[free].mean())[:, None, None]
     away = np.zeros((len(point), 2)) if gap is None else gap
     ends = as_turned(joint_ends(assembly, contacts, carrier, away), turned)
     away = np.where(turned[:, None], away[:, ::-1], away)
@@ -206,7 +216,7 @@ def build_bodies(
         slot=slot,
         centroid=centroid,
         radius=radius,
-        mass=mass / mass.mean(),
+        mass=mass,
         load=load / unit,
         size=size / length,
         block_a=a,
@@ -248,20 +258,25 @@ def _weights(area: Floats, interface: Ints) -> Floats:
     return np.maximum(area, LEAST_AREA * mean[interface])
 
 
-def gyration_radii(assembly: Assembly) -> Floats:
-    """Radius of gyration (n,) [m]: root of the mean moment of inertia divided by mass.
+def gyration(assembly: Assembly) -> tuple[Floats, Floats]:
+    """Inertia (n, 3, 3) about the centroid, by mass and radius squared, and that radius (n,) [m].
 
-    Independent of the axes of the model. No body has less than a ball of its volume; rounding would
-    lead below that, and below zero, where a block is so thin that it has hardly a volume.
+    The radius is that of gyration: root of the mean moment of inertia divided by mass. Independent
+    of the axes of the model. No body has less than a ball of its volume; rounding would lead below
+    that, and below zero, where a block is so thin that it has hardly a volume: it counts as a ball.
     """
-    faces = assembly.faces
+    faces, volume = assembly.faces, assembly.volume[:, None, None]
     triangles, face = fan_triangles(faces)
     owner = faces.owner[face]
     a, b, c = (triangles - assembly.centroid[owner][:, None]).transpose(1, 0, 2)
     six = (a * cross(b, c)).sum(axis=1)
-    squares = ((a + b + c) ** 2).sum(axis=1) + sum((x**2).sum(axis=1) for x in (a, b, c))
-    # of a tetrahedron over the centroid: integral of r^2 is V / 20 times this sum
-    polar = np.bincount(owner, six * squares, minlength=len(assembly)) / 120.0
-    ball = (0.75 / np.pi * assembly.volume) ** (2.0 / 3.0)
-    result: Floats = np.sqrt(np.maximum(2.0 / 3.0 * polar / assembly.volume, 0.4 * ball))
-    return result
+    squares = sum(x[:, :, None] * x[:, None] for x in (a + b + c, a, b, c))
+    # of a tetrahedron over the centroid: integral of x x' is V / 20 times this sum
+    sums = sum_by_owner((six[:, None, None] * squares).reshape(-1, 9), owner, len(assembly))
+    spread = sums.reshape(-1, 3, 3) / (120.0 * volume)
+    polar = np.trace(spread, axis1=1, axis2=2)[:, None, None]
+    ball = (0.75 / np.pi * volume) ** (2.0 / 3.0)
+    square = np.maximum(2.0 / 3.0 * polar, 0.4 * ball)
+    known, one = square > 0.4 * ball, np.eye(3)
+    inertia = np.where(known, (polar * one - spread) / square, one)
+    return inertia, np.sqrt(square[:, 0, 0])

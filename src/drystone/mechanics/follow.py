@@ -333,7 +333,8 @@ class Follower(Increments):
     def _follow(self, motion: Floats, reach: float, guess: Floats | None) -> Increment | None:
         """One increment with supports that move by (n, 6), at most by ``reach``; None: too long."""
         self.drag, self.guess = 1.0, None
-        share, falling = self.carried(np.array([[reach]])), NEAR * self.first
+        along = np.tile(reach * np.eye(1, 6), (len(self.bodies.free), 1))
+        share, falling = self.carried(along), NEAR * self.first
         self.drag = min(falling, DRAGGED / share) if share > 0.0 else falling
         found = None
         if guess is not None:

@@ -15,7 +15,7 @@ import numpy as np
 from drystone.base.arrays import Floats, Ints, lengths
 from drystone.mechanics.bodies import LIGHT, Bodies
 from drystone.mechanics.law import ContactResponse, respond
-from drystone.mechanics.maps import corner_rows, maps_between
+from drystone.mechanics.maps import corner_rows, maps_between, times
 from drystone.mechanics.newton import Equation, Steps, newton
 from drystone.mechanics.positions import BlockPositions, place_corners
 from drystone.solvers.refinement import Solve
@@ -79,6 +79,8 @@ class Increments:
     ----------
     pose, placed
         Where the blocks and the corners are.
+    mass : (f, 6, 6)
+        Of the blocks as they have turned.
     friction : (k, 2)
         Forces along the faces after earlier increments.
     yielded : (k,)
@@ -148,7 +150,7 @@ class Increments:
 
     def carried(self, motion: Floats) -> float:
         """Share of the load that the drag carries while blocks move by (f, 6)."""
-        left = self.unit * self.bodies.mass[:, None] * motion
+        left = self.unit * times(self.mass, motion)
         return self.drag * _length(left) / self.load_size
 
     def _by_feel(self, felt: Floats) -> Floats:
@@ -172,6 +174,7 @@ class Increments:
             self.yielded = np.maximum(self.yielded, -placed.gap - springs.most / springs.normal)
             placed = placed._replace(gap=placed.gap + self.yielded)
         self.pose, self.placed = pose, placed
+        self.mass = self.bodies.turned_mass(pose.turn)
         self.maps.at(
             self.placed.axes, self._arms(self.bodies.block_a), self._arms(self.bodies.block_b)
         )
@@ -198,7 +201,7 @@ class _Balance(Equation[Increment, tuple[Floats, float]]):
         self.blocks, self.maps, self.distance = blocks, blocks.maps, distance
         bodies = blocks.bodies
         self.springs, self.gap, self.before = bodies.springs, blocks.placed.gap, -blocks.friction
-        self.weight = np.repeat(blocks.drag * bodies.mass[:, None], 6, axis=1)
+        self.weight = blocks.drag * blocks.mass
         self.shift: Floats | None = None
         if moving is not None:
             self.shift = blocks.imposed(moving)
@@ -210,7 +213,7 @@ class _Balance(Equation[Increment, tuple[Floats, float]]):
         if self.shift is not None:
             moved = moved + self.shift
         response = respond(self.springs, self.gap + moved[:, 0], moved[:, 1:], self.before)
-        left = self.maps.wrench(response.force) + blocks.bodies.load - self.weight * motion
+        left = self.maps.wrench(response.force) + blocks.bodies.load - times(self.weight, motion)
         if blocks.grown is not None:
             left = left + factor * blocks.grown
         return Increment(

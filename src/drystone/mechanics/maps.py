@@ -71,7 +71,7 @@ class FullMaps:
         return result
 
     def factorise(self, tangent: Floats, weight: Floats) -> Solve:
-        """The inverse of ``A D A' + diag(weight)``, of D (k, 3, 3) and weights (n, 6).
+        """The inverse of ``A D A' + W``, of D (k, 3, 3) and weights, see :func:`times`.
 
         Raises
         ------
@@ -80,7 +80,11 @@ class FullMaps:
         """
         size = self.shape[1]
         matrix = self.rows.T @ (tangent @ self.rows.reshape(-1, 3, size)).reshape(-1, size)
-        matrix.reshape(-1)[:: size + 1] += weight.ravel()
+        if weight.ndim == 2:
+            matrix.reshape(-1)[:: size + 1] += weight.ravel()
+        else:
+            at = np.arange(len(weight))
+            matrix.reshape(len(at), 6, -1, 6)[at, :, at] += weight
         return inverse(matrix)
 
 
@@ -158,7 +162,7 @@ class SparseMaps:
 
         def product(motion: Floats) -> Floats:
             local = np.einsum("kij,kj->ki", tangent, self.moved(motion))
-            return self.wrench(local) + weight * motion
+            return self.wrench(local) + times(weight, motion)
 
         def exact() -> Solve:
             return self.ordering.factorise(self.blocks(tangent, weight)).solve
@@ -172,7 +176,7 @@ class SparseMaps:
             return exact()
 
     def blocks(self, tangent: Floats, weight: Floats) -> Floats:
-        """Matrix blocks (e, 6, 6) for D (k, 3, 3) and a diagonal (n, 6)."""
+        """Matrix blocks (e, 6, 6) for D (k, 3, 3) and weights of the blocks."""
         # corners side by side: products of small matrices, one by one, take twice as long
         local = np.einsum("kij,jlk->kil", tangent, self.gather)
         parts = np.empty((4, len(self.first), 6, 6))
@@ -183,12 +187,20 @@ class SparseMaps:
         np.matmul(parts[3], self.carry, out=parts[2])
         np.negative(parts[1:3], out=parts[1:3])
         out: Floats = (self.of_block @ parts.reshape(-1, 36)).reshape(-1, 6, 6)
-        index = np.arange(6)
-        out[self.diagonal[:, None], index, index] += weight
+        if weight.ndim == 2:
+            index = np.arange(6)
+            out[self.diagonal[:, None], index, index] += weight
+        else:
+            out[self.diagonal] += weight
         return out
 
 
 Maps = FullMaps | SparseMaps
+
+
+def times(weight: Floats, motion: Floats) -> Floats:
+    """Wrenches (n, 6) by motions (n, 6): of weights (n, 6, 6), or of diagonal ones (n, 6)."""
+    return weight * motion if weight.ndim == 2 else (weight @ motion[:, :, None])[:, :, 0]
 
 
 def maps_between(block_a: Ints, block_b: Ints, length: Floats, position: Floats) -> Maps:

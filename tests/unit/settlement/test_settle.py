@@ -8,7 +8,7 @@ from benchmarks.leaning import card_house
 from drystone import Assembly, InputError, LoadCase, Model
 from drystone.geometry.frames import rotation_about
 from drystone.mechanics import follow
-from drystone.mechanics.bodies import gyration_radii
+from drystone.mechanics.bodies import gyration
 from drystone.models import arch, box, concave, h_model, incline, tower, wedge
 from drystone.models.solids import prism, welded
 from drystone.settlement import (
@@ -329,8 +329,19 @@ def test_a_block_whose_volume_is_lost_in_rounding_has_a_radius_of_gyration():
     a, b, c = far + 4.914514780044556 * np.eye(3)
     inside = far + 1.6381716
     thin = [(a, b, c), (a, b, inside), (b, c, inside), (a, c, inside)]
-    radius = gyration_radii(Assembly((welded(thin, "thin"),), np.array([True])))
+    inertia, radius = gyration(Assembly((welded(thin, "thin"),), np.array([True])))
     assert 0.0 < radius[0] < 4.9
+    assert (np.linalg.eigvalsh(inertia[0]) > 0.0).all()
+
+
+def test_blocks_are_dragged_by_their_own_moments_of_inertia():
+    turn = rotation_about((1.0, 2.0, -0.5), 40.0)
+    bar = box((4.0, 0.5, 0.25), name="bar").transformed(turn, (3.0, -2.0, 1.0))
+    inertia, radius = gyration(Assembly((bar,), np.array([False])))
+    square = np.array([4.0, 0.5, 0.25]) ** 2
+    moments = (square.sum() - square) / 12.0  # closed form, by mass
+    assert radius[0] ** 2 == pytest.approx(moments.mean())
+    assert radius[0] ** 2 * inertia[0] == pytest.approx(turn @ np.diag(moments) @ turn.T)
 
 
 def test_what_drifts_without_resistance_is_followed_to_the_last_step():
