@@ -1,5 +1,7 @@
 """Fill on bridges and earth behind walls: sums, levels, hidden faces, and what is refused."""
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 
@@ -9,7 +11,8 @@ from drystone.geometry.frames import rotation_about
 from drystone.limits import LimitOptions, limit_load, limit_train
 from drystone.loads import Earth, Fill, LoadCase
 from drystone.loads.fill import Tops
-from drystone.models import dome, segmental_bridge, tower
+from drystone.loads.seen_strips import SeenStrips
+from drystone.models import barrel_vault, buttressed_arch, dome, segmental_bridge, tower
 from drystone.models.simple import box
 from drystone.models.solids import prism
 from drystone.report.sketches import dimensions_picture
@@ -150,6 +153,44 @@ def test_walls_beside_fill_have_no_fill_below_them_and_are_pressed_where_it_lies
     low = 5e3 * (2.0**2 - 1.5**2) * (long - length)  # on what is below the walls, beside the ring
     push = 5e3 * 1.5**2 * long
     np.testing.assert_allclose(wrench[2:, 1], [-low, low, -push, push])
+
+
+TURNED: dict[str, Callable[[], Assembly]] = {
+    "barrel vault": barrel_vault,
+    "buttressed arch": buttressed_arch,
+    "dome": dome,
+    "two rings": lambda: segmental_bridge(rings=2, width=2.0),
+    "random boxes": lambda: scattered(15),
+}
+
+
+def scattered(count: int) -> Assembly:
+    """Boxes of random sizes over one another, turned in plan."""
+    random, blocks = np.random.default_rng(5), []
+    for i in range(count):
+        size, shift = random.uniform(0.2, 1.5, 3), np.append(random.uniform(0.0, 3.0, 2), 2.0 * i)
+        turn = rotation_about(np.array([0.0, 0.0, 1.0]), random.uniform(0.0, 90.0))
+        blocks.append(box(size, name=f"b{i}").transformed(turn, shift))
+    return Assembly(tuple(blocks), np.zeros(count, dtype=bool))
+
+
+@pytest.mark.parametrize("name", TURNED)
+def test_what_lies_on_each_block_is_the_same_about_any_way_it_is_turned_in_plan(name: str) -> None:
+    model = TURNED[name]()
+    level = model.bounds[..., 2].max() + 0.3
+
+    def pressed(turn: np.ndarray, shift: tuple[float, float, float]) -> np.ndarray:
+        turned = model.transformed(turn, shift)
+        seen = SeenStrips.of(turned, np.eye(3))
+        down = np.array([0.0, 0.0, -2e4])
+        wrench = seen.wrenches(turned, lambda at: (level - at.point[:, 2:]) * down)
+        return np.concatenate([wrench[:, :3] @ turn, wrench[:, 3:] @ turn], axis=1)
+
+    straight = pressed(np.eye(3), (0.0, 0.0, 0.0))
+    for degrees in (0.5, 2.0, 3.0, 8.0, 45.0, 90.0, 215.0):
+        turn = rotation_about(np.array([0.0, 0.0, 1.0]), degrees)
+        found = pressed(turn, (0.7, -30.0, 0.0))
+        np.testing.assert_allclose(found, straight, 0.0, 1e-9 * np.abs(straight).max())
 
 
 @pytest.mark.parametrize("degrees", [0.0, 20.0, 40.0, 45.0])

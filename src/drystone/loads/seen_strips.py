@@ -277,10 +277,11 @@ def _crossings(band: SeenStrips, least: float) -> Floats:
     r = r + band.slope[:, 1:] * (at - s)
     each, pair = np.arange(len(share)), np.stack([one, other]) % len(band.block)
     lower = r[pair, each].min(axis=0)
-    covers = np.abs(at - s) <= 0.5 * width + least
-    covers[pair, each] = False
+    away, half = at - s, 0.5 * width
+    covers = (np.abs(away) <= half + least) & (r > lower + least)
+    hidden = [(covers & (half - side > least)).any(axis=0) for side in (away, -away)]
     low, high = band.t[0]
-    found = np.unique(low + share[~(covers & (r > lower + least)).any(axis=0)] * (high - low))
+    found = np.unique(low + share[~np.logical_and(*hidden)] * (high - low))
     inside = (np.diff(found, prepend=low) > 2.0 * least) & (high - found > 2.0 * least)
     return np.asarray(found[inside])
 
@@ -288,24 +289,27 @@ def _crossings(band: SeenStrips, least: float) -> Floats:
 def _parts(band: SeenStrips, places: Floats, least: float) -> SeenStrips:
     """What is seen of strips between the same ends, whose sides do not cross."""
     s, width, r = (one.mean(axis=1)[:, None] for one in (band.s, band.width, band.r))
-    own = _lines(band)
-    lines = np.concatenate([own, np.repeat(places[:, None], 2, axis=1)])
-    kept = np.arange(len(lines)) >= len(own)
-    rank = np.argsort(lines.mean(axis=1), kind="stable")
-    lines, kept = lines[rank], kept[rank]
-    at = lines.mean(axis=1)
-    parts = np.flatnonzero(np.diff(at) > least)
+    own, count = _lines(band), len(band.block)
+    middle = 0.5 * (own[:, 0] + own[:, 1])
+    at = np.concatenate([middle, places])
+    rank = np.argsort(at, kind="stable")
+    at, kept = at[rank], rank >= len(own)
+    parts = np.flatnonzero(at[1:] - at[:-1] > least)
     away = 0.5 * (at[parts] + at[parts + 1]) - s
     near = np.where(np.abs(away) < 0.5 * width, r + band.slope[:, 1:] * away, -np.inf)
     top = np.where(np.isfinite(near).any(axis=0), near.argmax(axis=0), -1)
     cut = np.cumsum(kept)[parts]  # places before each part
     first = np.flatnonzero(np.diff(top, prepend=-2) | np.diff(cut, prepend=-1))
-    last = np.append(first[1:], len(top)) - 1
+    place = at[np.append(parts[first], parts[-1:] + 1)]
+    # a side is that of what begins or ends there; else it is one of the places
+    after, before = np.append(top[first], -1), np.append(-1, top[first])
+    begins, ends = (np.abs(middle[one] - place) for one in (after, count + before))
+    begins, ends = np.where(after < 0, np.inf, begins), np.where(before < 0, np.inf, ends)
+    side = own[np.where(begins <= ends, after, count + before)]
+    side = np.where((np.minimum(begins, ends) > 2.0 * least)[:, None], place[:, None], side)
     some = top[first] >= 0
-    mine = top[first[some]]
-    low = np.maximum(lines[parts[first[some]]], own[mine])
-    high = np.minimum(lines[parts[last[some]] + 1], own[len(own) // 2 + mine])
-    one, s = band.chosen(mine), 0.5 * (low + high)
+    low, high = side[:-1][some], side[1:][some]
+    one, s = band.chosen(top[first[some]]), 0.5 * (low + high)
     r = one.r + one.slope[:, 1:] * (s - one.s)
     width = np.maximum(high - low, 0.0)
     return SeenStrips(one.axes, one.block, one.t, s, width, r, one.slope)
