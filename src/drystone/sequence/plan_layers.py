@@ -224,7 +224,7 @@ def _robot_layers(assembly: Assembly, team: Sequence[Robot]) -> tuple[Layer, ...
     low = np.minimum(assembly.bounds[:, 0].min(axis=0), base.min(axis=0))
     high = np.maximum(assembly.bounds[:, 1].max(axis=0), base.max(axis=0))
     past = 0.1 * float(np.linalg.norm(high - low)) * np.array([1.0, 1.0, 1e-3])  # not below ground
-    angle = np.linspace(0.0, 2.0 * np.pi, 121)
+    angle = np.linspace(0.0, 2.0 * np.pi, 120, endpoint=False)
     free = assembly.centroid[assembly.free]
     middle = 0.5 * (free.min(axis=0) + free.max(axis=0))
     normal = min((1, 0, 2), key=lambda axis: round(float(np.ptp(free[:, axis])), 9))
@@ -235,11 +235,19 @@ def _robot_layers(assembly: Assembly, team: Sequence[Robot]) -> tuple[Layer, ...
         if 0.0 < radius < np.inf:
             ring = radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
             edge = one.base + np.insert(ring, normal, aside, axis=1)
-            near = ((edge >= low - past) & (edge < high + past[0])).all(axis=1)
-            near = np.flatnonzero(near[:-1] & near[1:])
-            start.append(edge[near])
-            way.append(edge[near + 1] - edge[near])
-            text += [one.name if i == edge[near, 2].argmax() else "" for i in range(len(near))]
+            near = np.flatnonzero(((edge >= low - past) & (edge < high + past[0])).all(axis=1))
+            # what leaves the picture and comes back within half a circle is drawn
+            gap = np.diff(np.append(near, near[:1] + len(edge)))
+            part = [
+                np.arange(i, i + k) for i, k in zip(near, gap, strict=True) if 2 * k <= len(edge)
+            ]
+            first = np.concatenate([near[:0], *part]) % len(edge)
+            then = (first + 1) % len(edge)
+            above = np.minimum(edge[first, 2], edge[then, 2]) >= low[2] - past[2]
+            first, then = first[above], then[above]
+            start.append(edge[first])
+            way.append(edge[then] - edge[first])
+            text += [one.name if i == edge[first, 2].argmax() else "" for i in range(len(first))]
     if not text:
         return (bases,)
     label, line = "where a reach ends, in the middle plane of the blocks", LayerKind.LINES

@@ -8,7 +8,7 @@ import pytest
 from drystone.answer import Role
 from drystone.detection import find_contacts
 from drystone.model import Model
-from drystone.models import arch, box, bridge, prism, tower
+from drystone.models import arch, box, bridge, corbelled_bridge, prism, tower
 from drystone.report import save_instructions
 from drystone.results import Verdict
 from drystone.sequence import Plan, PlanOptions, Robot, Rules, Status, handling, plan
@@ -82,6 +82,21 @@ def test_a_reach_ends_in_the_plane_of_the_blocks_and_what_is_out_of_it_is_outlin
     bounds = found.model.assembly.bounds[[*found.impossible]]
     np.testing.assert_allclose([ends.min(axis=0), ends.max(axis=0)],
                                [bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0)])  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("shape", "base", "reach"),
+    [(corbelled_bridge(), (-2.5, -1.0, 0.0), 2.5), (arch(0.15, 11), (0.0, -0.8, 0.0), 2.0)],
+)
+def test_the_end_of_a_reach_is_one_line(shape, base, reach) -> None:
+    """It leaves the picture at its top and comes back; below the ground nothing is drawn."""
+    team = [Robot("arm", base, reach), Robot("else")]
+    found = plan(shape, friction=0.7, options=PlanOptions(rules=Rules(robots=team)))
+    (edge,) = (one for one in found.layers().stages[-1].layers if one.key == "reach")
+    np.testing.assert_allclose((edge.position + edge.vector)[:-1], edge.position[1:], atol=1e-12)
+    ring = np.sqrt(reach**2 - (edge.position[0, 1] - base[1]) ** 2)
+    assert edge.position[:, 2].max() == pytest.approx(ring)
+    assert edge.position[:, 2].min() > found.model.assembly.bounds[:, 0, 2].min() - 0.01
 
 
 def test_bases_and_ends_of_reach_have_the_names_of_their_robots() -> None:
