@@ -9,7 +9,7 @@ from drystone import Assembly, InputError, Model, check
 from drystone.answer.drawing import load_layers
 from drystone.geometry.frames import rotation_about
 from drystone.limits import LimitOptions, limit_load, limit_train
-from drystone.loads import Earth, Fill, LoadCase
+from drystone.loads import Earth, Fill, LoadCase, Train
 from drystone.loads.fill import Tops
 from drystone.loads.seen_strips import SeenStrips
 from drystone.models import barrel_vault, buttressed_arch, dome, segmental_bridge, tower
@@ -55,7 +55,7 @@ def test_fill_presses_at_the_third_of_a_slope_that_faces_any_way(angle: float) -
     block = prism([(0.0, 0.0), (3.0, 0.0), (2.0, 2.0), (0.0, 2.0)], (0.0, 1.0), "block")
     behind = box((1.0, 1.0, 2.0), (-1.0, 0.0, 0.0), "behind")
     turned = Assembly([block, behind], [False, True]).transformed(turn)
-    wrench = Fill(cover=0.0, weight=18e3, k=0.5).on(turned).wrench[0]
+    wrench = Fill(cover=0.0, weight=18e3, k=0.5, between=(-9.0, 9.0)).on(turned).wrench[0]
     force = np.array([-18e3, 0.0, -18e3])
     place = np.array([3.0 - 1.0 / 3.0, 0.5, 2.0 / 3.0]) - block.centroid
     assert wrench[:3] == pytest.approx(turn @ force, abs=1e-6)
@@ -117,6 +117,55 @@ def test_fill_presses_steps_and_walls_beside_it_but_not_what_is_covered_or_outsi
     assert push.wrench[1:, 3] == pytest.approx([-outwards / 3.0, outwards / 3.0])
     resisting = Tops.of(Assembly(steps), Fill(0.5, 2e4, passive=3.0)).resisting
     assert np.flatnonzero(resisting.any(axis=1)).tolist() == [2]
+
+
+@pytest.mark.parametrize("batter", [1e-6, 0.05, 0.3])
+def test_fill_is_not_taken_to_lie_outside_a_battered_wall(batter: float) -> None:
+    """Two spandrel walls 2 m high: from outside it pressed them as much as from within."""
+    low = box((4.0, 3.0, 1.0), name="low")
+    across = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    section = np.array([(0.0, 1.0), (0.5, 1.0), (0.5, 3.0), (batter, 3.0)])
+    one = prism(section, (-4.0, 0.0), "south").transformed(across)
+    two = prism((3.0, 0.0) + section * (-1.0, 1.0), (-4.0, 0.0), "north").transformed(across)
+    walls = Assembly([low, one, two], [True, False, False])
+    with pytest.raises(InputError, match=r"from outside, where nothing higher .* between=") as told:
+        Fill(cover=0.0, weight=2e4, k=0.5).on(walls)
+    words = str(told.value).partition("such as ")[2]
+    push = Fill.named(f"cover=0m,weight=20kN/m3,k=0.5,{words}").on(walls).wrench
+    outwards = 0.5 * 2e4 * 2.0**2 / 2.0 * 4.0
+    assert push[1:, 1] == pytest.approx([-outwards, outwards], rel=1e-3)
+
+
+def test_fill_between_two_places_is_that_of_a_narrower_bridge() -> None:
+    wide, narrow = (segmental_bridge(voussoirs=8, width=w) for w in (2.0, 0.8))
+    within = Fill(0.3, 2e4, k=0.3, between=(0.0, 0.8)).on(wide).wrench
+    assert within[:, :3] == pytest.approx(Fill(0.3, 2e4, k=0.3).on(narrow).wrench[:, :3])
+    train = Train("axle", (0.0,), (1e5,), contact=0.3, across=2.4)
+    asked = Fill(0.3, 2e4, between=(0.0, 0.8)), Fill(0.3, 2e4)
+    tops = [Tops.of(*one) for one in zip((wide, narrow), asked, strict=True)]
+    borne = [one.borne(2.0, train.contact, train.across) for one in tops]
+    assert borne[0] == pytest.approx(borne[1])
+    assert "between 0 and 0.8 m across" in asked[0].words
+
+
+def test_what_juts_out_at_a_pier_takes_nothing_of_an_axle_elsewhere() -> None:
+    """Cutwaters 0.8 m long on a free pier: they took 35 % of what acts at the crown."""
+    bridge = segmental_bridge(6.0, 1.5, 0.45, 12, width=3.0, spans=2, pier=1.2, height=3.0)
+    waters = [box((1.2, 0.8, 1.5), (6.0, y, -3.0), f"y={y}") for y in (-0.8, 3.0)]
+    assembly = Assembly((*bridge.blocks, *waters), [*bridge.fixed.tolist(), False, False])
+    fill = Fill(0.3, 2e4)
+    alone, beside = (Tops.of(one, fill) for one in (bridge, assembly))
+    assert beside.breadth == pytest.approx(4.6)
+    for x in (1.0, 3.0):
+        down = beside.spread(1e3, x, 0.4, 2.4)[: len(bridge)]
+        assert down == pytest.approx(alone.spread(1e3, x, 0.4, 2.4))
+    assert down[:, 2].sum() == pytest.approx(-1e3)
+
+
+def test_an_axle_between_walls_that_reach_the_road_spreads_by_the_mean_depth() -> None:
+    low = box((6.0, 3.0, 1.0), name="low")
+    walls = [box((6.0, 0.5, 1.0), (0.0, y, 1.0), f"y={y}") for y in (0.0, 2.5)]
+    assert Tops.of(Assembly([low, *walls]), Fill(0.0, 2e4)).depth(3.0) == pytest.approx(2.0 / 3.0)
 
 
 COUNTERFORTS: dict[str, list[tuple[float, float, float]]] = {
@@ -205,7 +254,9 @@ def test_a_bar_across_another_one_takes_the_fill_above_where_they_cross(degrees:
 
 
 def test_joints_along_meridians_of_a_dome_are_not_below_fill() -> None:
-    assert not Tops.of(dome(), Fill(0.4, 2e4, k=0.5)).upright
+    assert not any(
+        len(one.block) for one in Tops.of(dome(), Fill(0.4, 2e4, k=0.5, between=(-9.0, 9.0))).beside
+    )
 
 
 def test_a_road_that_rises_adds_fill_at_one_end_and_takes_it_at_the_other() -> None:
@@ -370,6 +421,9 @@ def test_pressures_on_the_same_faces_are_added_in_their_picture() -> None:
         ("fill:cover=0.1m,weight=20kN/m3,law=odd", "law is 'odd'"),
         ("fill:cover=0.1m,height=2m", "fill has no 'height'; did you mean weight"),
         ("fill:cover=0.1m,cover=0.2m", "'cover' is given twice"),
+        ("fill:cover=0.1m,weight=20kN/m3,between=1m:0m", "give the lesser place first"),
+        ("fill:cover=0.1m,weight=20kN/m3,between=5m:6m", "no free block has a top there"),
+        ("fill:cover=0.1m,weight=20kN/m3,between=5m", "length '' is not a number"),
         ("earth:side=-x,weight=18kN/m3,k=0.3,delta=20deg", "no 'delta'; .* wall_friction"),
         ("earth:side=-x,weight=18kN/m3,k=-1", "is -1"),
         ("earth:side=z,weight=18kN/m3,k=0.3", "side is 'z'"),

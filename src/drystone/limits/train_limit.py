@@ -40,7 +40,7 @@ class TrainEnvelope(Answer):
     Attributes
     ----------
     places : (p,) [m]
-        Of the middle of the train, along x.
+        Of the middle of the train, along the road.
     factors : (p,)
         By equilibrium, with joints that are ductile: NaN where none was found, infinite where
         nothing ends it, minus infinity where no factor is balanced.
@@ -142,7 +142,7 @@ class TrainEnvelope(Answer):
             "load": np.array(train.loads),
             "fill_below": depth,
             "spread_along": train.contact + 2.0 * self.fill.spread * depth,
-            "borne": np.array([tops.borne(at, train.across) for at in x.tolist()]),
+            "borne": np.array([tops.borne(at, train.contact, train.across) for at in x.tolist()]),
             "on_the_bridge": (x >= low) & (x <= high),
         }
         units = dict.fromkeys(("x", "road", "fill_below", "spread_along"), "m")
@@ -157,15 +157,11 @@ class TrainEnvelope(Answer):
         return self._placed[self.worst].line
 
     def _axle_layers(self, place: int) -> tuple[Layer, ...]:
-        axles = self.axles(place)
-        bounds = self.model.assembly.bounds
-        middle = 0.5 * float(bounds[:, 0, 1].min() + bounds[:, 1, 1].max())
+        axles, tops = self.axles(place), self._crossing.tops
         flat = np.zeros(len(axles))
-        at = np.column_stack([axles["x"], flat + middle, axles["road"]])
+        at = tops.on_road(axles["x"])
         down = np.column_stack([flat, flat, -axles["load"]])
-        low, high = self._crossing.tops.ends
-        ends = np.array([[x, middle, float(self._crossing.tops.level(np.array(x)))]
-                         for x in (low, high)])  # fmt: skip
+        ends = tops.on_road(np.array(tops.ends))
         road = Layer("road", "road", LayerKind.LINES, "load", ends[:1], ends[1:] - ends[:1])
         layers = [road, Layer(
             "axles", "axles",
@@ -174,7 +170,7 @@ class TrainEnvelope(Answer):
         for a, b in self._placed[place].line.tolist():
             cuts = np.linspace(a, b, int(b - a) + 2)  # arrows a metre apart at most
             x = 0.5 * (cuts[1:] + cuts[:-1])
-            at = np.column_stack([x, 0.0 * x + middle, self._crossing.tops.level(x)])
+            at = tops.on_road(x)
             down = np.tile([0.0, 0.0, -self.train.line], (len(x), 1))
             layers.append(Layer(
                 "line", "line load", LayerKind.ARROWS, "load", at, down, unit="N/m", single=True,
@@ -217,13 +213,6 @@ class TrainEnvelope(Answer):
         return " with ductile joints" if self.model.contacts.brittle else ""
 
     @property
-    def _turned(self) -> bool:
-        """Whether the bridge seems to lie along y."""
-        bounds = self.model.assembly.bounds
-        x, y, _ = bounds[:, 1].max(axis=0) - bounds[:, 0].min(axis=0)
-        return bool(y > x)
-
-    @property
     def _carried(self) -> bool:
         """Whether the whole train is, by equilibrium and by the verdict where there is one."""
         good = bool(len(self.places)) and bool(self.factors[self.worst] >= 1.0)
@@ -231,10 +220,11 @@ class TrainEnvelope(Answer):
 
     def sentences(self) -> Sequence[Sentence]:
         """The least factor, how it was found, and what it does not say."""
-        role = Role.BAD if not self._carried else Role.UNSURE if self._turned else Role.GOOD
+        role = Role.GOOD if self._carried else Role.BAD
         said = [Sentence(self.title, role)]
-        if self._turned:
-            turn = "it is longer along y, and the train moves along x: turn it if it spans along y"
+        x, y, _ = self._crossing.tops.strips.axes[0]
+        if y != 0.0:
+            turn = f"the road is taken along {x:.3g}, {y:.3g} in plan, and x of a place along it"
             said.append(Sentence(turn, Role.REMARK))
         said += [Sentence(self.train.words), Sentence(self.fill.words)]
         if self.train.source:
@@ -293,7 +283,7 @@ class TrainEnvelope(Answer):
         line = ""
         if len(self.line):
             line = f", and {100.0 * self._line_borne:.3g} % of the line load"
-        wide = f"the answer is for all of the model, {tops.breadth:.3g} m wide along y"
+        wide = f"the answer is for all of the model, {tops.breadth:.3g} m wide"
         share = "" if (shares >= 1.0).all() else ", by its width over that to which loads spread,"
         return Sentence(f"{wide}: it bears{share} {told}{line}", Role.REMARK)
 
@@ -301,7 +291,7 @@ class TrainEnvelope(Answer):
     def _of_place(self) -> Sentence:
         """What a place is, and what is not tried across the bridge."""
         low, high = self._crossing.tops.ends
-        told = "places are x of the model, of the middle of the train; the bridge lies from "
+        told = "places are x of the middle of the train; the bridge lies from "
         wide = "; an axle acts evenly over its width: a wheel alone may be worse, and is not tried"
         ends = f"{told}{low:.3g} to {high:.3g} m"
         return Sentence(ends + (wide if self.train.across else ""), Role.REMARK)
@@ -311,7 +301,8 @@ class TrainEnvelope(Answer):
         """The share of the line load that bears at the worst place."""
         worst = self._placed[self.worst]
         ends = worst.at.ends[worst.adverse]
-        each = [self._crossing.tops.borne(x, self.train.lane) for x in ends.mean(axis=1).tolist()]
+        pieces = zip(ends.mean(axis=1).tolist(), np.ptp(ends, axis=1).tolist(), strict=True)
+        each = [self._crossing.tops.borne(*one, self.train.lane) for one in pieces]
         return float(np.average(each, weights=np.ptp(ends, axis=1)))
 
     def by_hand(self) -> Table:
@@ -438,7 +429,7 @@ def limit_train(
     options: LimitOptions | None = None,
     **how: Unpack[LongHow],
 ) -> TrainEnvelope:
-    """The largest load factor of a train at every place on a bridge along x.
+    """The largest load factor of a train at every place on a bridge.
 
     One conic program at each place gives the largest factor that forces balance; at the worst place
     the full verdict is searched as well. Where a mechanism of one place ends the train elsewhere
@@ -492,9 +483,9 @@ def limit_train(
     low, high = tops.ends
     if carried.length > high - low:
         raise InputError(
-            f"'{carried.name}' is {carried.length:g} m long, the bridge {high - low:.3g} m along x",
+            f"'{carried.name}' is {carried.length:g} m long, the bridge {high - low:.3g} m",
             where="train",
-            remedy="take a shorter one, or the axles of it that fit; turn what lies along y",
+            remedy="take a shorter one, or the axles of it that fit",
         )
     if added:
         model = model.with_load(model.load + tops.fill.on(model.assembly))

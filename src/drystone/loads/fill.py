@@ -34,7 +34,7 @@ _LEAN = 0.1
 
 @dataclass(frozen=True)
 class Fill(Options):
-    """Fill between the tops of blocks and a road along x.
+    """Fill between the tops of blocks and a road.
 
     Attributes
     ----------
@@ -50,7 +50,9 @@ class Fill(Options):
     spread : >= 0
         Of a load, horizontal by vertical, to each side.
     grade
-        Rise of the road by length along x.
+        Rise of the road by length along it.
+    between : (2,) [m]
+        Places across the road between which fill lies; all tops when left out.
     law
         How a load spreads: ``even`` over that width, or ``boussinesq`` of an elastic half space.
 
@@ -73,6 +75,7 @@ class Fill(Options):
     passive: float = 0.0
     spread: float = 0.5
     grade: float = 0.0
+    between: tuple[float, float] | None = None
     law: Literal["even", "boussinesq"] = "even"
 
     def __post_init__(self) -> None:
@@ -81,6 +84,8 @@ class Fill(Options):
             raise InputError(
                 f"passive is {self.passive:g}, k {self.k:g}", remedy="give more than k"
             )
+        if self.between is not None and not self.between[0] < self.between[1]:
+            raise InputError(f"between is {self.between}", remedy="give the lesser place first")
 
     @property
     def words(self) -> str:
@@ -97,9 +102,11 @@ class Fill(Options):
         fill = f"fill of {quantity(self.weight, 'N')}/m3" if self.weight else "no weight of fill"
         law = "evenly" if self.law == "even" else "as in an elastic half space"
         passive = f"{self.passive:.3g}" if self.passive else "none"
+        low, high = self.between or (0.0, 0.0)
+        where = f", between {low:g} and {high:g} m across" if self.between else ""
         rise = f", road rising by {self.grade:g}" if self.grade else ""
         return (
-            f"{fill} to {self.cover:g} m above the crown{rise} with K {self.k:.3g}, "
+            f"{fill} to {self.cover:g} m above the crown{where}{rise} with K {self.k:.3g}, "
             f"passive {passive} (a load spreads {self.spread:.3g} by depth, {law})"
         )
 
@@ -126,6 +133,7 @@ class Fill(Options):
             "passive": pressure_ratio,
             "spread": spread,
             "grade": grade,
+            "between": _between,
         }
         return cls(**read_words(text, "fill", known, "cover=0.3m,weight=20kN/m3"))
 
@@ -140,25 +148,27 @@ class Fill(Options):
         )  # fmt: skip
 
 
-def _own_axes(assembly: Assembly) -> Floats:
-    """Directions of a model as rows (3, 3): along, across and up.
+def _road_axes(assembly: Assembly) -> Floats:
+    """Directions along the road, across it and up, rows (3, 3); they turn with the model about z.
 
-    One in which the largest area of upright faces looks; along is the one in which faces that slope
-    do, or the nearest to x where both are alike. They turn with the model about z.
+    Sides of a bridge are upright: across is where such faces look, y if some do, or else where the
+    largest area does. Of both directions along is that in which faces that look down slope more, or
+    the one nearest to x.
     """
     mine = ~assembly.fixed[assembly.faces.owner]
     area, normal = assembly.faces.area_vectors[mine], assembly.faces.normals[mine]
     flat = normal[:, 0] + 1j * normal[:, 1]
-    upright, level = (np.abs(one) < 1e-6 for one in (normal[:, 2], flat))
+    upright = np.abs(normal[:, 2]) < 1e-6
     ways, which = np.unique(np.round(flat[upright] ** 4, 6), return_inverse=True)
-    size = np.bincount(which.ravel(), lengths(area[upright]), len(ways))
-    alike = np.flatnonzero(size > (1.0 - SAME) * size.max(initial=0.0))
     turn = np.ones(1, dtype=complex)
-    if len(alike):
+    if len(ways) and np.abs(ways - 1.0).min() > 1e-6:
+        size = np.bincount(which.ravel(), lengths(area[upright]), len(ways))
+        alike = np.flatnonzero(size > (1.0 - SAME) * size.max())
         best = alike[np.abs(np.angle(ways[alike])).argmin()]
         turn = np.exp(0.25j * np.angle(flat[upright][which.ravel() == best][:1] ** 4))
-    turned = flat[~upright & ~level] / turn
-    slopes = lengths(area[~upright & ~level]) @ np.column_stack([turned.real, turned.imag]) ** 2
+    down = normal[:, 2] < -1e-6
+    turned = flat[down] / turn
+    slopes = lengths(area[down]) @ np.column_stack([turned.real, turned.imag]) ** 2
     if slopes[1] > (1.0 + SAME) * slopes[0]:
         turn *= 1j
     x, y = np.round([turn.real[0], turn.imag[0]], 12) + 0.0
@@ -174,11 +184,11 @@ class Tops:
     assembly
     fill
     strips
-        Seen from above, t along x.
+        Seen from above, t along the road and s across it.
     road : [m]
         Level of the road at ``middle``.
     middle : [m]
-        Of the bridge, along x.
+        Of the bridge, along the road.
     """
 
     assembly: Assembly
@@ -190,10 +200,15 @@ class Tops:
     @classmethod
     def of(cls, assembly: Assembly, fill: Fill) -> Self:
         """Those of an assembly."""
-        strips = SeenStrips.of(assembly, np.eye(3))
+        axes, between = _road_axes(assembly), fill.between or (-math.inf, math.inf)
+        strips = SeenStrips.of(assembly, axes, places=fill.between or ())
+        s = strips.s.mean(axis=1)
+        strips = strips.chosen((s > between[0]) & (s < between[1]))
         free = ~assembly.fixed[strips.block]
         if not free.any():
-            raise InputError("no free block has a top", where="fill", remedy="free some blocks")
+            raise InputError(
+                "no free block has a top there", where="fill", remedy="see 'between' and supports"
+            )
         road = float(strips.highest[free].max()) + fill.cover
         made = cls(
             assembly, fill, strips, road, 0.5 * float(strips.t[free].min() + strips.t[free].max())
@@ -207,43 +222,85 @@ class Tops:
                 where="fill",
                 remedy="give more cover",
             )
+        made._check_sides()
         return made
 
+    def _check_sides(self) -> None:
+        """No fill presses a face from outside, unless ``between`` says that it is there."""
+        if self.fill.between is not None or not max(self.fill.k, self.fill.passive):
+            return
+        mine = self.strips.chosen(~self.assembly.fixed[self.strips.block])
+        steep = mine.chosen(np.abs(mine.slope[:, 1]) > 1.0)
+        out, axes = -np.sign(steep.slope[:, 1]), self.strips.axes
+        half = 0.5 * out[:, None] * steep.width
+        near, far = (steep.s - half).mean(axis=1), (steep.s + half).mean(axis=1)
+        faces = [(steep.block, steep.t.mean(axis=1), near, far, steep.r.mean(axis=1), out)]
+        for one, way in zip(self.beside[2:], (1.0, -1.0), strict=True):
+            t, at, r = (one.middle @ axes.T).T
+            faces.append((one.block, t, at, at, r, np.full(len(t), way)))
+        block, t, near, far, r, out = (np.concatenate(each) for each in zip(*faces, strict=True))
+        ends = np.stack([far + out * SAME * self.breadth, out * math.inf], axis=1)
+        ends = np.clip(ends, *(self.sides + np.array([-1.0, 1.0]) * self.breadth))
+        lines = shapely.linestrings(np.stack([np.stack([t, t], 1), ends], axis=2))
+        face, top = self._plan.query(lines, "intersects")
+        held = np.zeros(len(block), dtype=bool)
+        held[face[self.strips.highest[top].max(axis=1) > r[face]]] = True
+        if not held.all():
+            low, high = self.sides
+            first = near[~held & (out < 0.0)].max(initial=low)
+            last = near[~held & (out > 0.0)].min(initial=high)
+            step = 10.0 ** math.floor(math.log10(self.breadth) - 3.0)  # digits, rounded inwards
+            first, last = (math.ceil(x / step - SAME) * step + 0.0 for x in (first, -last))
+            names = named([self.assembly.names[i] for i in np.unique(block[~held])], 2)
+            raise InputError(
+                f"it would press {names} from outside, where nothing higher holds it; tops lie "
+                f"from {low:.4g} to {high:.4g} m across the road",
+                where="fill",
+                remedy=f"say where it lies, such as between={first:.5g}m:{-last:.5g}m",
+            )
+
     def level(self, x: Floats) -> Floats:
-        """Of the road [m] at places."""
+        """Of the road [m] at places along it."""
         return np.asarray(self.road + self.fill.grade * (x - self.middle))
+
+    def on_road(self, x: Floats) -> Floats:
+        """Points (m, 3) [m] in the middle of the road at places along it (m,)."""
+        local = np.column_stack([x, 0.0 * x + self.sides.mean(), self.level(x)])
+        return np.asarray(local @ self.strips.axes)
 
     @property
     def ends(self) -> tuple[float, float]:
-        """Least and largest x [m] of the free blocks under fill."""
+        """Least and largest place [m] along the road of the free blocks under fill."""
         free = self.strips.t[~self.assembly.fixed[self.strips.block]]
         return float(free.min()), float(free.max())
 
-    @property
-    def breadth(self) -> float:
-        """[m], along y, of the free blocks."""
-        return float(np.ptp(self._sides(self.strips)))
-
-    def _sides(self, strips: SeenStrips) -> Floats:
-        """Least and largest place (2,) [m] of the tops of free blocks across strips."""
-        free = strips.chosen(~self.assembly.fixed[strips.block])
+    @cached_property
+    def sides(self) -> Floats:
+        """Least and largest place (2,) [m] across the road of the tops of free blocks."""
+        free = self.strips.chosen(~self.assembly.fixed[self.strips.block])
         return np.array([(free.s - 0.5 * free.width).min(), (free.s + 0.5 * free.width).max()])
 
-    @cached_property
-    def _own(self) -> SeenStrips:
-        """The strips along the model's own directions, which turn with it."""
-        axes = _own_axes(self.assembly)
-        return self.strips if (axes == np.eye(3)).all() else SeenStrips.of(self.assembly, axes)
+    @property
+    def breadth(self) -> float:
+        """[m], across the road, of the free blocks."""
+        return float(np.ptp(self.sides))
+
+    def _wide(self, low: float, high: float) -> float:
+        """Mean width [m] of the tops between two places along the road."""
+        part = self.strips.within(low, high)
+        ends = np.stack([part.s - 0.5 * part.width, part.s + 0.5 * part.width])
+        width = np.diff(np.clip(ends, *self.sides), axis=0)[0].mean(axis=1)
+        t = part.t[width > 0.0]
+        return float(width @ np.ptp(part.t, axis=1) / np.ptp(t)) if len(t) else self.breadth
 
     def depth(self, x: float) -> float:
-        """[m], from the road to the highest free top at a place, or the nearest that has one."""
-        free = ~self.assembly.fixed[self.strips.block]
-        t, r = self.strips.t[free], self.strips.highest[free]
-        away = np.maximum(np.maximum(t[:, 0] - x, x - t[:, 1]), 0.0)
-        here = away <= away.min() + 1e-9 * self.breadth
-        share = np.clip((x - t[here, 0]) / np.diff(t[here])[:, 0], 0.0, 1.0)
-        top = r[here, 0] + share * np.diff(r[here])[:, 0]
-        return max(float(self.level(np.array(x))) - float(top.max()), 0.0)
+        """[m], from the road to the mean free top at a place, or at the nearest that has one."""
+        mine = self.strips.chosen(~self.assembly.fixed[self.strips.block])
+        away = np.maximum(np.maximum(mine.t[:, 0] - x, x - mine.t[:, 1]), 0.0)
+        here = mine.chosen(away <= away.min() + 1e-9 * self.breadth)
+        share = np.clip((x - here.t[:, 0]) / np.ptp(here.t, axis=1), 1e-9, 1.0 - 1e-9)
+        width, top = (one[:, 0] + share * np.diff(one)[:, 0] for one in (here.width, here.r))
+        return max(float(self.level(np.array(x)) - np.average(top, weights=width)), 0.0)
 
     def pressed(self, vertical: float, horizontal: float) -> Floats:
         """Wrenches (n, 6) of shares of the pressure of the weight, down and inwards."""
@@ -255,20 +312,19 @@ class Tops:
         self, vertical: float, horizontal: float
     ) -> Sequence[tuple[SeenStrips, Traction]]:
         """What is pressed by these shares, seen from above and beside, and with what."""
-        upright = self.upright if horizontal else ()
+        upright = [one for one in self.beside if len(one.block)] if horizontal else ()
         beside = self._pressure(horizontal, horizontal)
         return [
             (self.strips, self._pressure(vertical, horizontal)), *((one, beside) for one in upright)
         ]  # fmt: skip
 
     @cached_property
-    def upright(self) -> Sequence[SeenStrips]:
-        """Upright faces of free blocks before which fill lies, seen from beside the vertical."""
-        seen = map(self._beside, range(4))
-        return [one for one in seen if len(one.block)]
+    def beside(self) -> Sequence[SeenStrips]:
+        """Upright faces of free blocks before which fill lies, that look along and across."""
+        return [self._beside(way) for way in range(4)]
 
     def _beside(self, way: int) -> SeenStrips:
-        along, aside, up = self._own.axes
+        along, aside, up = self.strips.axes
         ways, ends = np.stack([along, -along, aside, -aside]), way < 2
         level = ways[way]
         eye, across = unit(up + _LEAN * level), np.cross(up, level)
@@ -278,23 +334,22 @@ class Tops:
             towards = np.round(strips.normal @ np.column_stack([ways.T, up]), 6)
             return (towards[:, 4] == 0.0) & (np.argmax(towards[:, :4], axis=1) == way)
 
-        places = np.zeros(0) if ends else (across @ along) * np.unique(self._own.t)
-        seen = SeenStrips.of(self.assembly, axes, sought, places.tolist())
+        places = self.fill.between or () if ends else np.unique(self.strips.t)
+        other = aside if ends else along
+        seen = SeenStrips.of(self.assembly, axes, sought, (across @ other) * np.array(places))
         seen = seen.chosen(~self.assembly.fixed[seen.block])
-        if ends:
-            return seen
         # has it a top below what is before it, and not beside the bridge?
-        middle = np.stack([seen.t, seen.s, seen.r], axis=2).mean(axis=1) @ axes
-        before = (middle + SAME * self.breadth * level) @ self._own.axes.T
-        some = np.zeros(len(middle), dtype=bool)
+        before = (seen.middle + SAME * self.breadth * level) @ self.strips.axes.T
+        inside = np.abs(before[:, 1] - self.sides.mean()) < 0.5 * self.breadth
+        if ends:
+            return seen.chosen(inside)
+        some = np.zeros(len(before), dtype=bool)
         some[self._plan.query(shapely.points(before[:, :2]), "intersects")[0]] = True
-        sides = self._sides(self._own)
-        inside = np.abs(before[:, 1] - sides.mean()) < 0.5 * np.ptp(sides)
         return seen.chosen(some & inside)
 
     @cached_property
     def _plan(self) -> shapely.STRtree:
-        t, s, width = self._own.t, self._own.s, self._own.width
+        t, s, width = self.strips.t, self.strips.s, self.strips.width
         low, high = s - 0.5 * width, s + 0.5 * width
         corner = np.concatenate([np.stack([t, low], 2), np.stack([t, high], 2)[:, ::-1]], axis=1)
         return shapely.STRtree(shapely.polygons(corner))
@@ -303,7 +358,7 @@ class Tops:
     def notes(self) -> tuple[str, ...]:
         """On which upright faces it acts."""
         pressed = (
-            np.unique([i for one in self.upright for i in one.block])
+            np.unique([i for one in self.beside for i in one.block])
             if max(self.fill.k, self.fill.passive)
             else ()
         )
@@ -327,25 +382,28 @@ class Tops:
         down = self.pressed(1.0, 0.0)
 
         def traction(at: Spots) -> Floats:
-            x, _, z = at.point.T
-            deep = np.maximum(self.level(x) - z, 0.0)
+            deep = self._deep(at)
             line = self.fill.weight * deep
             return np.column_stack([line, 0.5 * deep * line, 0.0 * line])
 
-        # by a push along x the torque about y has the heights of the tops, that along y the half
+        # by a push along the torque about across has the heights of the tops, that across the half
         # depths
-        along = self.strips.wrenches(self.assembly, traction)
-        place = np.column_stack([down[:, 4], -down[:, 3], along[:, 4] + along[:, 1]])
+        push, across = self.strips.wrenches(self.assembly, traction), self.strips.axes[1]
+        height = (push[:, 3:] + push[:, :3]) @ across
+        place = np.column_stack([down[:, 4], -down[:, 3], height])
         by, gravity = 1.0 / STANDARD_GRAVITY, STANDARD_GRAVITY * np.array(DOWN)
         kind = "resisting fill" if self.fill.passive > self.fill.k else "fill"
         return CarriedMass(kind, -by * down[:, 2], by * place, gravity)
+
+    def _deep(self, at: Spots) -> Floats:
+        """[m], of points below the road."""
+        return np.maximum(self.level(at.point @ self.strips.axes[0]) - at.point[:, 2], 0.0)
 
     def _pressure(self, vertical: float, horizontal: float) -> Traction:
         """Shares of the pressure of the weight, towards what is seen and across."""
 
         def traction(at: Spots) -> Floats:
-            x, _, z = at.point.T
-            down = self.fill.weight * np.maximum(self.level(x) - z, 0.0)
+            down = self.fill.weight * self._deep(at)
             part = np.column_stack([horizontal * at.slope, np.full(len(down), -vertical)])
             return np.asarray(down[:, None] * part)
 
@@ -363,11 +421,13 @@ class Tops:
     def _pieces(self) -> dict[tuple[float, ...], Floats]:
         return {}
 
-    def borne(self, x: float, across: float) -> float:
-        """The share of a force on a width [m] of the road at a place that spreads on the bridge."""
+    def borne(self, x: float, contact: float, across: float) -> float:
+        """The share of a force on a piece of the road [m] that spreads on the bridge."""
         if across == 0.0:
             return 1.0
-        return min(1.0, self.breadth / (across + 2.0 * self.fill.spread * self.depth(x)))
+        deep = self.fill.spread * self.depth(x)
+        reach = 0.5 * contact + deep
+        return min(1.0, self._wide(x - reach, x + reach) / (across + 2.0 * deep))
 
     def spread(self, force: float, x: float, contact: float, across: float) -> Floats:
         """Wrenches (n, 6) of a force [N] down on the road at a place.
@@ -377,39 +437,37 @@ class Tops:
         force
         x
         contact, across : [m]
-            Length along x and width along y on which it acts on the road; over the whole width
-            where ``across`` is zero. A bridge that is narrower than the width through which it
+            Length along and width across the road on which it acts; over the whole width where
+            ``across`` is zero. A bridge that is narrower there than the width through which it
             spreads bears its share.
         """
-        depth, wide = self.depth(x), self.breadth
-        reach = 0.5 * contact + self.fill.spread * depth
-        force *= self.borne(x, across)
+        depth = self.depth(x)
+        reach = max(0.5 * contact + self.fill.spread * depth, 1e-6 * self.breadth)
+        line = force * self.borne(x, contact, across) / self._wide(x - reach, x + reach)
         if self.fill.law == "boussinesq" and depth > 0.0:
             places = x + np.linspace(-8.0, 8.0, 129) * max(depth, 0.5 * contact)
             part = self.strips.cut_at(places)
-            return part.wrenches(self.assembly, _elastic(force / wide, x, contact, depth))
-        reach = max(reach, 1e-6 * wide)
-        even = force / (2.0 * reach * wide)
+            return part.wrenches(self.assembly, self._elastic(line, x, contact, depth))
+        even = 0.5 * line / reach
         part = self.strips.within(x - reach, x + reach)
         return part.wrenches(
             self.assembly, lambda at: np.tile([0.0, 0.0, -even], (len(at.point), 1))
         )
 
+    def _elastic(self, line: float, x: float, contact: float, depth: float) -> Traction:
+        """Vertical pressure below an even strip load on an elastic half space.
 
-def _elastic(line: float, x: float, contact: float, depth: float) -> Traction:
-    """Vertical pressure below an even strip load on an elastic half space.
+        Source: Boussinesq 1885, as integrated over a strip by Terzaghi 1943, section 136.
+        """
+        half = max(0.5 * contact, 1e-6 * depth)
 
-    Source: Boussinesq 1885, as integrated over a strip by Terzaghi 1943, section 136.
-    """
-    half = max(0.5 * contact, 1e-6 * depth)
+        def traction(at: Spots) -> Floats:
+            away = at.point @ self.strips.axes[0] - x
+            near, far = np.arctan((away - half) / depth), np.arctan((away + half) / depth)
+            share = (far - near + 0.5 * (np.sin(2.0 * far) - np.sin(2.0 * near))) / np.pi
+            return np.column_stack([np.zeros((len(share), 2)), -share * line / (2.0 * half)])
 
-    def traction(at: Spots) -> Floats:
-        away = at.point[:, 0] - x
-        near, far = np.arctan((away - half) / depth), np.arctan((away + half) / depth)
-        share = (far - near + 0.5 * (np.sin(2.0 * far) - np.sin(2.0 * near))) / np.pi
-        return np.column_stack([np.zeros((len(share), 2)), -share * line / (2.0 * half)])
-
-    return traction
+        return traction
 
 
 _WATER = 9810.0
@@ -617,6 +675,12 @@ def spread(text: str) -> float:
         return float(across) / float(down)
     except (ValueError, ZeroDivisionError) as error:
         raise InputError(f"'{text}' is no slope", remedy="write 2:1 or 30deg") from error
+
+
+def _between(text: str) -> tuple[float, float]:
+    """Two places [m], such as ``-1.5m:1.5m``."""
+    low, _, high = text.partition(":")
+    return length(low), length(high)
 
 
 def grade(text: str) -> float:

@@ -136,6 +136,11 @@ class SeenStrips(OneLine):
         """Largest r (m, 2) [m] at both ends."""
         return np.asarray(self.r + 0.5 * np.abs(self.slope[:, 1:]) * self.width)
 
+    @property
+    def middle(self) -> Floats:
+        """(m, 3) [m], world axes."""
+        return np.asarray(np.stack([self.t, self.s, self.r], axis=2).mean(axis=1) @ self.axes)
+
     def chosen(self, which: Bools | Ints) -> SeenStrips:
         """Some of them."""
         return SeenStrips(

@@ -46,7 +46,7 @@ class Train(Options):
         Length and width of the road on which an axle acts; over the whole width of the bridge
         where ``across`` is zero.
     line : [N/m] >= 0
-        Load by length along x on any parts of the road; none at zero.
+        Load by length on any parts of the road; none at zero.
     lane : [m] >= 0
         Width on which the line load acts; the whole width of the bridge at zero.
     clear : [m] >= 0
@@ -164,7 +164,7 @@ class Train(Options):
             return cls(name, places, loads, source=str(found.get("source", "")), **known)
 
     def on(self, tops: Tops, middle: float) -> Floats:
-        """Wrenches (n, 6) of its axles on a bridge, its middle at a place [m] along x."""
+        """Wrenches (n, 6) of its axles on a bridge, its middle at a place [m] along the road."""
         first = middle - 0.5 * self.length
         each = zip(self.places, self.loads, strict=True)
         wrenches: Sequence[Floats] = [
@@ -173,7 +173,7 @@ class Train(Options):
         return sum(wrenches[1:], wrenches[0])
 
     def pieces(self, tops: Tops, middle: float) -> tuple[Floats, Floats]:
-        """Pieces of the road that the line load may act on, its middle at a place [m] along x.
+        """Pieces of the road that the line load may act on, its middle at a place [m] along it.
 
         Returns
         -------
