@@ -18,8 +18,9 @@ from drystone.assembly import Assembly
 from drystone.design import Changed
 from drystone.detection import find_contacts
 from drystone.io import Inspection
-from drystone.models import arch, box, curve_three_blocks, incline, shelf, tower
+from drystone.models import arch, box, bridge, curve_three_blocks, incline, shelf, tower
 from drystone.results import Result
+from drystone.sequence import PlanOptions, Robot, Rules
 from drystone.view import save_page
 from tests.page.browser import PATIENCE, Browser, Tab
 
@@ -289,6 +290,25 @@ def test_the_page_of_a_plan_brings_each_block_in(opened):
     pixels(tab)
     behind = Image.open(io.BytesIO(tab.picture("#verdict"))).convert("L")
     assert behind.getextrema()[0] > 200
+
+
+def test_the_page_of_a_plan_fits_above_the_largest_legend(opened):
+    """The view that it opens with is that of *Fit* at the step of which the legend tells most."""
+    team = [Robot("left", (-2, 0, 0), 3.0, 120.0), Robot("right", (2, 0, 0), 3.0, 150.0)]
+    rules = PlanOptions(rules=Rules(robots=team))
+    tab = opened(drystone.plan(bridge(), friction=0.5, options=rules), size=(1000, 620))
+    counted, views = [], []
+    for step in (9, 4):
+        tab.slide("#stage", step)
+        if views:
+            tab.click("#fit")
+        tab.frames(60)
+        counted.append(tab.run("document.querySelectorAll('#legend > *').length"))
+        tab.click("#link")
+        address = tab.run("document.getElementById('address').value")
+        views.append([float(x) for x in re.search("v=([^&]*)", address)[1].split("%2C")])
+    assert counted[1] > counted[0] + 1
+    np.testing.assert_allclose(views[1], views[0], rtol=1e-3, atol=1e-3)
 
 
 def test_the_page_of_contacts_draws_near_misses(opened):

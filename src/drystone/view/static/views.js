@@ -22,10 +22,21 @@ function insets() {
   ];
 }
 
+// The stage, of this one and those in which a block arrives, whose legend has most rows, and what it tells.
+function fullest([one, now]) {
+  const ghost = shownLayers.get("ghost");
+  const others = data.stages.filter(({ arrives, motion }) => arrives && motion)
+    .map((other) => [other, theme(), { ...now, ghost, layers: other.layers.filter(shown) }]);
+  const rows = (told) => legendRows(data, ...told).length;
+  return others.reduce((most, next) => (rows(next) > rows(most) ? next : most), [one, theme(), now]);
+}
+
 function fit(azimuth = camera.azimuth, elevation = camera.elevation, soon = flightTime()) {
   const { width, height } = sizeOf();
-  showLegend(data, stage(), theme(), told(camera.axes(azimuth, elevation))); // the picture fits above it
+  const now = told(camera.axes(azimuth, elevation));
+  showLegend(data, ...fullest([stage(), now])); // the picture fits above it, at each step
   const views = insets().map((free) => camera.fitted(azimuth, elevation, width / height, free));
+  showLegend(data, stage(), theme(), now);
   const least = Math.min(...views.map(({ distance }) => distance));
   camera.go(views.find(({ distance }) => distance <= NEARLY * least), soon);
   camera.fits = `${width},${height}`;
