@@ -79,6 +79,23 @@ def test_masses_are_shaken_at_their_places_by_every_command(pier: Assembly, name
     assert push(model, load=load).peak == pytest.approx(alpha, rel=2e-3)
 
 
+def test_masses_weigh_and_are_shaken_by_the_gravity_that_is_given(pier: Assembly) -> None:
+    """Blocks, fill and a mass of so many kg weigh by 1.62 m/s2; a roof of 8 kN weighs 8 kN."""
+    moon, fill, roof = 1.62, 2000.0, "pier:8kN@0.5,0.5,3"
+    words = [f"fill:cover=2m,weight={fill:g}kg/m3", TOP, roof]
+    blocks, filled, mass = BLOCKS * moon / G, 2.0 * fill * moon, 3000.0 * moon
+    model = Model.of(pier, friction=0.9)
+    found = check(model, load=words, gravity=moon)
+    assert found.reactions()["force"][0, 2] == pytest.approx(blocks + filled + mass + 8e3)
+    share = overturns((blocks, 1.5), (filled, 4.0), (mass, 3.0), (8e3, 3.0)) * moon / G
+    for factor, stands in ((0.999, True), (1.001, False)):
+        asked = check(model, load=words, gravity=moon, seismic=factor * share, shaken=True)
+        assert asked.stable is stands
+    for ground in (f"fill:{FILL}", "earth:side=-x,weight=18kN/m3,k=0.3"):
+        with pytest.raises(drystone.DrystoneError, match="gravity is turned"):
+            check(model, load=ground, gravity="0,0,9.81")
+
+
 def test_the_sum_of_cases_shakes_the_masses_of_all_of_them_in_any_order(pier: Assembly) -> None:
     dead, quake = LoadCase.gravity(pier), LoadCase.seismic(pier, 0.1, 0.05)
     fill, mass = Fill.named(FILL).on(pier), LoadCase.extra_mass(pier, "pier", 100.0, (0.5, 0.5, 3))

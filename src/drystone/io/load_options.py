@@ -20,6 +20,7 @@ from drystone.loads.earthquake import Shaken, with_shaken_weights
 from drystone.loads.load_words import (
     chosen_case,
     combined,
+    gravity_size,
     gravity_vector,
     load_of_words,
     seismic_of_words,
@@ -139,7 +140,7 @@ class Loads:
                 )
         gravity = whole if self.gravity is not None else None
         if self.shaken:
-            total = with_shaken_weights(assembly, total)
+            total = with_shaken_weights(assembly, total, gravity_size(gravity))
         if self._added:
             total = total + added(self._added, assembly, gravity, self.shaken)
         if self.seismic is not None:
@@ -178,7 +179,8 @@ def added(given: Any, assembly: Assembly, gravity: Any = None, shaken: bool = Fa
         else load_of_parts(Field([_part(one)], "", Path("load")), assembly, "load")
         for one in each
     ]
-    cases = [with_shaken_weights(assembly, one) for one in cases] if shaken else cases
+    if shaken:
+        cases = [with_shaken_weights(assembly, one, gravity_size(gravity)) for one in cases]
     return LoadCase.combine([(1.0, one) for one in cases], " + ".join(one.name for one in cases))
 
 
@@ -200,7 +202,8 @@ def grown(given: Any, model: Model, gravity: Any = None, shaken: bool = False) -
     along = Loads(gravity).acceleration
     if isinstance(given, str) and not given.startswith("{"):
         case = chosen_case(given, model.assembly, model.cases, along)
-        return with_shaken_weights(model.assembly, case) if shaken else case
+        size = gravity_size(along)
+        return with_shaken_weights(model.assembly, case, size) if shaken else case
     return added(given, model.assembly, along, shaken)
 
 

@@ -354,7 +354,8 @@ class LoadCase(OneLine):
         ------
         InputError
         """
-        if self.fills and (self.acceleration - self.shake)[:2].any():
+        x, y, z = self.acceleration - self.shake
+        if self.fills and (x or y or z > 0.0):
             remedy = "leave out --gravity X,Y,Z; 'limit tilt' turns blocks and their fill"
             raise InputError(
                 "fill weighs along -z, and gravity is turned", where="load", remedy=remedy

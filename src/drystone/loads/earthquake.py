@@ -76,8 +76,12 @@ class Shaken(OneLine):
         return f"the earthquake shakes {told}{more}"
 
 
-def with_shaken_weights(assembly: Assembly, load: LoadCase) -> LoadCase:
+def with_shaken_weights(
+    assembly: Assembly, load: LoadCase, g: float = STANDARD_GRAVITY
+) -> LoadCase:
     """A load case whose downward forces are weights of masses, where their lines enter blocks.
+
+    Their masses are those by a gravity ``g`` [m/s2].
 
     Examples
     --------
@@ -91,8 +95,8 @@ def with_shaken_weights(assembly: Assembly, load: LoadCase) -> LoadCase:
     down = applied.force[:, 2] < 0.0
     if not down.any():
         return load
-    mass = -applied.force[down, 2] / STANDARD_GRAVITY
-    gravity: Floats = STANDARD_GRAVITY * np.array(DOWN)
+    mass = -applied.force[down, 2] / g
+    gravity: Floats = g * np.array(DOWN)
     made = CarriedMass.at(assembly, "load", applied.block[down], mass, applied.point[down], gravity)
     made = made.shaken(load.shake)
     wrench = load.wrench + made.pushed(load.shake)

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from typing import TypeAlias
 
 from drystone.assembly import Assembly
 from drystone.base import units
 from drystone.base.errors import InputError, located
-from drystone.loads.case import LoadCase, name_of_sum
+from drystone.loads.case import DOWN, STANDARD_GRAVITY, LoadCase, name_of_sum
 from drystone.loads.fill import Earth, Fill
 
 _Direction: TypeAlias = tuple[float, float, float]
@@ -58,6 +59,11 @@ def gravity_vector(text: str) -> tuple[float, float, float]:
     return (0.0, 0.0, -size)
 
 
+def gravity_size(gravity: _Direction | None) -> float:
+    """[m/s2]; the standard one where none is given."""
+    return STANDARD_GRAVITY if gravity is None else math.hypot(*gravity)
+
+
 def load_of_words(
     text: str, assembly: Assembly, where: str = "load", gravity: _Direction | None = None
 ) -> LoadCase:
@@ -69,19 +75,25 @@ def load_of_words(
         It cannot be read, or the block is fixed or unknown.
     """
     kind, _, words = text.partition(":")
+    g = gravity_size(gravity)
     if kind in _GROUND and kind not in assembly.names:
         with located(f"{where} {kind}"):
-            if gravity is not None and any(gravity[:2]):
+            if gravity is not None and (any(gravity[:2]) or gravity[2] > 0.0):
                 remedy = "leave out --gravity X,Y,Z; 'limit tilt' turns blocks and their fill"
                 raise InputError("weighs along -z, and gravity is turned", remedy=remedy)
-            return _GROUND[kind].named(words).on(assembly)
+            ground = _GROUND[kind].named(words)
+            by_volume, slash, _ = words.partition("/m3")
+            if slash and by_volume.strip().endswith(tuple(units.MASSES)):
+                ground = replace(ground, weight=ground.weight * g / STANDARD_GRAVITY)
+            made = ground.on(assembly)
+            return replace(made, masses=tuple(one.weighing_by(g) for one in made.masses))
     block, colon, rest = text.rpartition(":")
     what, at_sign, place = (part.strip() for part in rest.partition("@"))
     if not colon or not block:
         raise InputError(
             f"'{text}' names no block", where=where, remedy="write BLOCK:FX,FY,FZ[@X,Y,Z]"
         )
-    down = (0.0, 0.0, -1.0) if gravity is None else gravity
+    down = DOWN if gravity is None else gravity
     try:
         at = vector(place, "0,0,1.2") if at_sign else None
         if what.startswith("m="):
@@ -93,13 +105,11 @@ def load_of_words(
             force = _components(what, units.FORCES, _EXAMPLE)
             return LoadCase.point_load(assembly, block, force, at)
         if any(what.endswith(unit) for unit in units.FORCES):
-            size = (
-                units.measured(what, units.FORCES, what="force") / sum(x * x for x in down) ** 0.5
-            )
+            size = units.measured(what, units.FORCES, what="force") / math.hypot(*down)
             return LoadCase.point_load(assembly, block, [size * x for x in down], at)
         if any(what.endswith(unit) for unit in units.MASSES):
             mass = units.measured(what, units.MASSES, what="mass")
-            return LoadCase.extra_mass(assembly, block, mass, at, direction=down)
+            return LoadCase.extra_mass(assembly, block, mass, at, g, down)
         raise InputError(f"'{what}' is not a load", remedy=f"write {_EXAMPLE}")
     except InputError as error:
         raise error.located(error.where or where) from error

@@ -87,6 +87,11 @@ class CarriedMass(OneLine):
         """The same times a factor."""
         return replace(self, mass=factor * self.mass, moment=factor * self.moment)
 
+    def weighing_by(self, g: float) -> CarriedMass:
+        """Masses that weigh the same by another gravity [m/s2]."""
+        less = g / float(np.linalg.norm(self.gravity))
+        return replace(self.by(1.0 / less), gravity=less * self.gravity)
+
     def of_blocks(self, chosen: Ints, count: int, shift: Floats | float = 0.0) -> CarriedMass:
         """Those of some blocks, the first of ``count``; ``shift`` (c, 3) [m] is added to places."""
         mass, moment = np.zeros(count), np.zeros((count, 3))
