@@ -12,6 +12,7 @@ from drystone.assembly import Assembly
 from drystone.base.arrays import ROUNDING, Bools, Floats, Ints, frozen, lengths
 from drystone.base.display import OneLine
 from drystone.base.errors import counted
+from drystone.base.ragged import expand
 from drystone.geometry.triangulate import triangulate
 from drystone.loads.placing import SurfaceLoad
 
@@ -122,8 +123,9 @@ class SeenStrips(OneLine):
         corners = np.unique(made.t)
         made = made.cut_at(corners[np.diff(corners, prepend=-np.inf) > least])
         made = made.chosen(made.t[:, 1] - made.t[:, 0] > 2.0 * least)
-        seen = _visible(made._joined(), np.array(places, dtype=float), least)
-        return seen if sought is None else seen.chosen(sought(seen))
+        seen = _visible(made._joined(), np.zeros(0), least)
+        seen = seen if sought is None else seen.chosen(sought(seen))
+        return _visible(seen, np.array(places), least) if len(places) else seen
 
     @property
     def normal(self) -> Floats:
@@ -191,11 +193,11 @@ class SeenStrips(OneLine):
         plane = self.r - (self.slope[:, :1] * self.t + self.slope[:, 1:] * self.s)
         alike = np.rint(np.column_stack([self.t, plane]) / least)
         key = np.column_stack([self.block, alike, np.rint(self.slope / ROUNDING)])
-        _, same = np.unique(key, axis=0, return_inverse=True)
-        order = np.lexsort((self.s.mean(axis=1), same.ravel()))
+        order = np.lexsort((self.s.mean(axis=1), *key.T[::-1]))
         starts, stops = self.s - 0.5 * self.width, self.s + 0.5 * self.width
         apart = np.abs(starts[order[1:]] - stops[order[:-1]]).max(axis=1, initial=0.0) > least
-        new = np.append(True, (np.diff(same.ravel()[order]) != 0) | apart)[: len(order)]
+        other = (key[order[1:]] != key[order[:-1]]).any(axis=1)
+        new = np.append(True, other | apart)[: len(order)]
         group, first = np.cumsum(new) - 1, order[new]
         low, high = np.full((2, len(first), 2), np.inf)
         np.minimum.at(low, group, starts[order])
@@ -272,11 +274,14 @@ def _lines(band: SeenStrips) -> Floats:
 def _crossings(band: SeenStrips, least: float) -> Floats:
     """Places [m] along t, inside, at which sides of strips of a band cross with no other before."""
     start, end = _lines(band).T
-    before, after = (one[:, None] - one for one in (start, end))
+    order = np.argsort(start)
+    passed = order[np.maximum.accumulate(end[order]) - end[order] > least]
+    before, after = (each[passed, None] - each for each in (start, end))
     one, other = np.nonzero((before > least) & (after < -least))
     if not len(one):
         return np.zeros(0)
     share = before[one, other] / (before - after)[one, other]
+    one = passed[one]
     at = start[one] + share * (end - start)[one]
     s, width, r = (x[:, :1] + share * np.diff(x) for x in (band.s, band.width, band.r))
     r = r + band.slope[:, 1:] * (at - s)
@@ -293,16 +298,21 @@ def _crossings(band: SeenStrips, least: float) -> Floats:
 
 def _parts(band: SeenStrips, places: Floats, least: float) -> SeenStrips:
     """What is seen of strips between the same ends, whose sides do not cross."""
-    s, width, r = (one.mean(axis=1)[:, None] for one in (band.s, band.width, band.r))
     own, count = _lines(band), len(band.block)
     middle = 0.5 * (own[:, 0] + own[:, 1])
     at = np.concatenate([middle, places])
     rank = np.argsort(at, kind="stable")
     at, kept = at[rank], rank >= len(own)
     parts = np.flatnonzero(at[1:] - at[:-1] > least)
-    away = 0.5 * (at[parts] + at[parts + 1]) - s
-    near = np.where(np.abs(away) < 0.5 * width, r + band.slope[:, 1:] * away, -np.inf)
-    top = np.where(np.isfinite(near).any(axis=0), near.argmax(axis=0), -1)
+    centre = 0.5 * (at[parts] + at[parts + 1])
+    lowest = np.searchsorted(centre, middle[:count], "right")
+    covered = np.searchsorted(centre, middle[count:]) - lowest
+    strip, part = expand(lowest, np.maximum(covered, 0))
+    s, r = band.s.mean(axis=1)[strip], band.r.mean(axis=1)[strip]
+    near = r + band.slope[strip, 1] * (centre[part] - s)
+    order = np.lexsort((-strip, near))
+    top = np.full(len(parts), -1)
+    top[part[order]] = strip[order]  # the nearest is the last
     cut = np.cumsum(kept)[parts]  # places before each part
     first = np.flatnonzero(np.diff(top, prepend=-2) | np.diff(cut, prepend=-1))
     place = at[np.append(parts[first], parts[-1:] + 1)]
