@@ -357,6 +357,17 @@ def test_earth_presses_square_to_a_wing_wall_that_is_splayed(degrees: float) -> 
     np.testing.assert_allclose(force, [-earth - water, 0.0, -weighs - 0.2 * earth], atol=1e-8)
 
 
+@pytest.mark.parametrize(("taper", "told"), [(0.0, False), (0.05, True), (0.3, False)])
+def test_ends_of_a_wall_that_earth_presses_although_hardly_seen_are_named(
+    taper: float, told: bool
+) -> None:
+    upright = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
+    plan = [(0.0, 0.0), (1.0, taper), (1.0, 4.0 - taper), (0.0, 4.0)]
+    wall = Assembly([prism(plan, (0.0, 2.0), "wall").transformed(upright.T)])
+    notes = Earth.named("side=x,weight=18kN/m3,k=0.5").on(wall).notes
+    assert [one[:36] for one in notes] == ["earth presses also faces of wall tha"] * told
+
+
 def test_pressure_is_drawn_as_a_field_whose_size_is_that_of_the_formula() -> None:
     """K (w h + p) at both ends of each face; factors and a tilt go with it, forces stay arrows."""
     wall = tower(3)

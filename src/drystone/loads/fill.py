@@ -470,6 +470,8 @@ class Tops:
         return traction
 
 
+_GRAZED = math.tan(math.radians(80.0))
+"""Slope of a face across the line of sight. Chosen: a splayed wing wall has less."""
 _WATER = 9810.0
 """[N/m3]"""
 
@@ -584,7 +586,13 @@ class Earth(Options):
         }
         name = kind + "".join(words for words, given in more.items() if given)
         surface = strips.surface(assembly, traction)
-        return LoadCase(strips.wrenches(assembly, traction), name, surface=surface)
+        grazed = ~assembly.fixed[strips.block] & (np.abs(strips.slope[:, 1]) > _GRAZED)
+        ends = named([assembly.names[i] for i in np.unique(strips.block[grazed])], 2)
+        note = (
+            f"earth presses also faces of {ends} that are seen from side {self.side} at less than "
+        )
+        notes = (f"{note}10 degrees, square to them",) if ends else ()
+        return LoadCase(strips.wrenches(assembly, traction), name, notes, surface=surface)
 
 
 Reader = Callable[[str], Any]
