@@ -259,7 +259,7 @@ def _arrow_layers(result: Solution, resultants: Resultants, shown: Bools) -> lis
     if len(pulled):
         normal = contacts.frame[contacts.interface[pulled], 0]
         carried = result.tension is None and contacts.capacity is not None
-        words = "tension that joints carry" if carried else "tension needed"
+        words = f"tension {'that joints carry' if carried else 'needed'} at a corner"
         layers.append(
             Layer(
                 "tension", words, LayerKind.ARROWS, "help", contacts.point[pulled],

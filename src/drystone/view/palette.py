@@ -171,7 +171,7 @@ PRESETS: Mapping[str, Preset] = {
     "forces": Preset(
         "Forces", _MARKS | {"edges", "spent", "joint-force", "network", "opening", "reactions"}
     ),
-    "solid": Preset("Solid", _MARKS | {"opening"}, opacity=1.0, ghost=True),
+    "solid": Preset("Solid", _MARKS - {"tension"} | {"opening"}, opacity=1.0, ghost=True),
     "contacts": Preset("Contacts", _ASKED | {"interfaces"}, opacity=0.3),
     "utilisation": Preset("Utilisation", frozenset({"joint-use", "spent"})),
     "stages": Preset("Stages", frozenset({"help"}), opacity=1.0, numbers=True, ghost=True),

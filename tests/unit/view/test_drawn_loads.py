@@ -9,6 +9,7 @@ import shapely
 import drystone
 from drystone import LoadCase
 from drystone.answer.drawing import bare_scene
+from drystone.joint_capacity import JointCapacity
 from drystone.loads import Fill
 from drystone.loads.applied import applied_loads
 from drystone.models import arch, box, segmental_bridge, tower
@@ -172,6 +173,22 @@ def test_edges_that_carry_have_one_name_and_are_no_part_of_a_picture_of_stones_a
         assert not is_shown(mark, "solid")
     (turns,) = (one for one in limit.stages[1].layers if one.key == "hinges")
     assert is_shown(turns, "solid")
+
+
+def test_glued_joints_pull_at_corners_and_are_no_hinges_where_their_force_is_outside() -> None:
+    model = drystone.Model.of(arch(0.05), friction=0.7)
+    assert drystone.check(model).falls
+    glued = model.with_capacity(JointCapacity.of(model.contacts, tension=1e4, shear=1e4))
+    result = drystone.check(glued)
+    assert result.stable
+    drawn, joints = layers(result), result.joints()
+    assert drawn["tension"].label == "tension that joints carry at a corner"
+    assert is_shown(drawn["tension"], "forces")
+    assert not is_shown(drawn["tension"], "solid")
+    outside = set(np.flatnonzero(joints["edge_ratio"] > 1.01).tolist())
+    assert outside
+    marked = drawn["edges"].interface if "edges" in drawn else ()
+    assert not outside & set(np.ravel(marked).tolist())
 
 
 def test_the_field_of_fill_does_not_cross_itself_where_a_ring_meets_its_backing() -> None:
