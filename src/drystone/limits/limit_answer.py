@@ -302,13 +302,16 @@ class Limit(LimitValues, Answer):
         best, tried = self.best, self.evaluations
         looks = [_LOOKS.get(one.verdict, (MarkKind.RING, "good")) for one in tried]
         marks = []
-        falls = "" if best.falls is None else f"falls at {self._short(best.falls)}"
+        told: dict[float, float] = {}  # as its words round it
+        if best.falls is not None:
+            told = {best.falls: float(self._digits(best.falls))}
+        falls = "".join(f"falls at {self._short(one)}" for one in told)
         for kind, ink in dict.fromkeys(looks):
             mine = [one for one, look in zip(tried, looks, strict=True) if look == (kind, ink)]
-            x, y = np.array([(one.value, _share(one)) for one in mine]).T
+            x, y = np.array([(told.get(one.value, one.value), _share(one)) for one in mine]).T
             marks.append(Marks(kind, x, y, ink, {MarkKind.CROSS: falls}.get(kind, "")))
-        if best.falls is not None and best.falls not in [one.value for one in tried]:
-            marks.append(Marks(MarkKind.CROSS, np.array([best.falls]), np.zeros(1), "bad", falls))
+        for value in told.keys() - {one.value for one in tried}:
+            marks.append(Marks(MarkKind.CROSS, np.array([told[value]]), np.zeros(1), "bad", falls))
         line = () if best.stands is None else ((best.stands, self._short(best.stands)),)
         return Chart(
             "Values that were tried", tuple(marks), self.quantity.words,

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import drystone
-from drystone import Assembly
+from drystone import Assembly, Verdict
 from drystone.answer.chart import Chart, MarkKind, Marks
 from drystone.base.errors import InputError
-from drystone.limits import Bracket, Limit, Quantity, limit_thickness, tilt_sweep
+from drystone.limits import Bracket, Evaluation, Limit, Quantity, limit_thickness, tilt_sweep
 from drystone.models import arch, box, tower
 from drystone.seismic import local_mechanism
 from drystone.view import State, scene_of
@@ -85,6 +85,15 @@ def test_every_value_that_was_tried_and_both_sides_are_in_the_panel(tilt: Limit)
     assert text.count('stroke="var(--bad)"') == 2  # at its place, and in the key
     told = scene_of(tilt).stages[-1].headline.split("; ")[1]
     assert f"{told}</span>" in text  # rounded as in the headline
+
+
+def test_the_axis_of_the_values_includes_that_at_which_it_falls_as_it_is_told() -> None:
+    low, high = Evaluation(1.88123, Verdict.STABLE), Evaluation(1.93149, Verdict.UNSTABLE)
+    bracket = Bracket(low.value, high.value)
+    limit = Limit(Quantity("tilt", "deg"), 0.0, 90.0, bracket, evaluations=(low, high))
+    drawn = panel(limit.chart())
+    assert "falls at 1.932\N{DEGREE SIGN}</span>" in drawn
+    assert ">1.932\N{DEGREE SIGN}</text>" in drawn
 
 
 def test_a_sweep_shows_its_weakest_direction() -> None:
