@@ -20,7 +20,7 @@ from drystone.io.several import Paths
 from drystone.loads import LoadCase
 from drystone.model import Model
 from drystone.stability.check_options import CheckOptions
-from drystone.stability.verdict import check
+from drystone.stability.verdict import FREELY, check
 from drystone.supports import select
 
 _FRICTION = 3.0
@@ -73,10 +73,10 @@ def doubts(model: Model, path: Paths, how: Mapping[str, Any]) -> Iterator[Doubt]
     units = unit_doubts(model.notes)
     yield from units
     yield from _apart(model)
-    if not units and _may_lie(model, path, how) and _stands_upright(model, str(how["supports"])):
-        yield Doubt(
-            "it falls as it is, and stands with y up: does y point up in the file?", {"up": "y"}
-        )
+    if not units and _may_lie(model, path, how):
+        words = _better_upright(model, str(how["supports"]))
+        if words:
+            yield Doubt(f"{words}: does y point up in the file?", {"up": "y"})
 
 
 def unit_doubts(notes: Iterable[str]) -> list[Doubt]:
@@ -134,16 +134,21 @@ def _feet(assembly: Assembly) -> int:
     return int(connected_components(both, directed=False)[0])
 
 
-def _stands_upright(model: Model, supports: str) -> bool:
-    """Whether it does not stand as it is, and does with its y axis up."""
+def _better_upright(model: Model, supports: str) -> str:
+    """How much better it is with its y axis up, as text; empty where it is not."""
     try:
         turned = select(model.assembly, supports, up=(0.0, 1.0, 0.0), joints=model.joints)
     except InputError:
-        return False
+        return ""
     if turned.fixed.all() or _feet(turned) < _feet(model.assembly):
-        return False  # a vault on two feet that falls does stand on its end, as a round wall
+        return ""  # a vault on two feet that falls does stand on its end, as a round wall
     quick = CheckOptions(settle=False)
-    if check(model, options=quick).stable:
-        return False
+    lying = check(model, options=quick)
+    if lying.stable:
+        return ""
     down = LoadCase.gravity(turned, direction=(0.0, -1.0, 0.0))
-    return check(replace(model, assembly=turned, load=down), options=quick).stable
+    upright = check(replace(model, assembly=turned, load=down), options=quick)
+    hangs = [FREELY in one.message for one in (lying, upright)]
+    if hangs == [True, False] and not upright.stable:
+        return "as it is nothing presses on the blocks that fall, with y up something does"
+    return "it falls as it is, and stands with y up" if upright.stable else ""

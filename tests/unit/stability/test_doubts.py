@@ -65,6 +65,19 @@ def test_a_model_that_stands_on_its_other_side_may_lie(tmp_path: Path) -> None:
     assert options(path, supports="lowest", up="y") == []
 
 
+def test_what_falls_with_y_up_too_may_lie_if_nothing_presses_on_what_falls(tmp_path: Path) -> None:
+    """A table whose top overhangs too far: lying, its legs hang beside the top."""
+    blocks = [box((0.4, 1.0, 2.0), (x, 0.0, 0.0), f"leg-{x:g}") for x in (0.0, 1.0)]
+    blocks += [box((0.4, 1.0, 0.2), (x, 0.0, 2.0), f"head-{x:g}") for x in (0.0, 1.0)]
+    blocks += [box((4.0, 1.4, 0.2), (0.7, -0.2, 2.2), "top")]
+    path = written(Assembly(tuple(blocks)).transformed(Y_UP), tmp_path / "lying.obj")
+    assert drystone.check(drystone.read(path, supports="lowest", up="y", friction=0.6)).falls
+    model = drystone.read(path, supports="lowest")
+    (doubt,) = doubts(model, path, {"supports": "lowest"})
+    assert doubt.option == "--up y"
+    assert "nothing presses on the blocks that fall" in doubt.text
+
+
 def test_what_is_doubtful_is_asked_in_a_terminal_and_done(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
