@@ -195,24 +195,34 @@ def thicken_blocks(model: Model, blocks: Sequence[int], share: float) -> Model:
     """
     new = {}
     for i in blocks:
-        body = model.assembly.blocks[i]
-        planes = [face_plane(body, k) for k in range(len(body.faces))]
-        free = [k for k in _by_area(body) if not _in_joint(model, i, *planes[k])]
-        pairs = [
-            (one, two)
-            for number_, one in enumerate(free)
-            for two in free[number_ + 1 :]
-            if planes[one][0] @ planes[two][0] < -0.5
-        ]
-        if not pairs:
-            raise InputError(
-                "has no two free faces", where=f"block '{body.name}'", remedy="choose another"
-            )
-        one, two = pairs[0]
-        middle = body.vertices[list(body.faces[two])].mean(axis=0)
-        thickness = planes[one][1] - float(planes[one][0] @ middle)
-        new[i] = with_moved_faces(body, dict.fromkeys((one, two), 0.5 * share * thickness))
+        faces, across = thickness_of(model, i)
+        step = 0.5 * share * float(np.linalg.norm(across))
+        new[i] = with_moved_faces(model.assembly.blocks[i], dict.fromkeys(faces, step))
     return changed(model, new)
+
+
+def thickness_of(model: Model, block: int) -> tuple[tuple[int, int], Floats]:
+    """The two faces of a block between which its thickness is, and the way (3,) [m] across.
+
+    Errors as for :func:`thicken_blocks`.
+    """
+    body = model.assembly.blocks[block]
+    planes = [face_plane(body, k) for k in range(len(body.faces))]
+    free = [k for k in _by_area(body) if not _in_joint(model, block, *planes[k])]
+    pairs = [
+        (one, two)
+        for number_, one in enumerate(free)
+        for two in free[number_ + 1 :]
+        if planes[one][0] @ planes[two][0] < -0.5
+    ]
+    if not pairs:
+        raise InputError(
+            "has no two free faces", where=f"block '{body.name}'", remedy="choose another"
+        )
+    one, two = pairs[0]
+    normal, offset = planes[one]
+    middle = body.vertices[list(body.faces[two])].mean(axis=0)
+    return (one, two), (offset - float(normal @ middle)) * normal
 
 
 def _by_area(block: Block) -> list[int]:

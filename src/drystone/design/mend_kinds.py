@@ -11,8 +11,9 @@ import numpy as np
 
 from drystone.base.arrays import Floats, Ints, lengths
 from drystone.base.errors import InputError, counted
+from drystone.base.units import quantity
 from drystone.design.bench import Bench, Held, Tried
-from drystone.design.block_surgery import merge_blocks, thicken_blocks
+from drystone.design.block_surgery import merge_blocks, thicken_blocks, thickness_of
 from drystone.design.changed_model import acceleration_of, changed
 from drystone.design.changes import (
     MOST,
@@ -302,7 +303,11 @@ def _thicker(asked: KnownNeeds) -> Proposals:
         ground = laid_ground(local)
         fixed = [i for i in np.flatnonzero(local.fixed).tolist() if i != ground]
         beside = names_of(bench.local, fixed) if fixed else ""
-        told = f"{names} thicker by {100.0 * share:.0f} %, half of it on each face"
+        size = lengths(np.array([thickness_of(bench.local, i)[1] for i in bench.own]))
+        least, most = (quantity(size.min() * by, "m") for by in (1.0, 1.0 + share))
+        some = "" if size.max() < 1.01 * size.min() else "the thinnest "
+        told = f"{names} thicker by {100.0 * share:.0f} %, {some}from {least} to {most}, "
+        told += "half of it on each face"
         return f"{told}; they overhang {beside} where these are no wider" if beside else told
 
     why = f"{listed([f'{100.0 * share:g}' for share in _SHARES])} % more thickness"

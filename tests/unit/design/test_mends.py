@@ -561,7 +561,7 @@ def test_a_vault_of_many_blocks_may_be_thicker_and_a_tie_says_how_long_it_is() -
     found = find_mends(vault, friction=0.6, options=MendOptions(kinds=("thicker", "tie")))
     tie, thicker = (one.change.description for one in found.mends)
     assert "between the middles of 'c03-b01' and 'c11-b01', 2.96 m apart" in tie
-    assert "thicker by 52 %" in thicker
+    assert "thicker by 52 %, from 89.5 mm to 136 mm, half of it on each face" in thicker
 
 
 def test_what_stands_without_the_margin_is_not_headed_as_falling(tmp_path: Path) -> None:
