@@ -167,7 +167,7 @@ def test_the_figure_says_verdict_units_and_scale() -> None:
     assert "force" not in text  # what falls is in no equilibrium
     text = texts(figure_of(pulled_tower()))
     assert "force network (normal forces), up to 12 kN" in text
-    assert "tension needed, up to 500 N" in text
+    assert "tension needed at a corner, up to 500 N" in text
     text = texts(figure_of(pulled_tower(), layers=["pressure"]))
     assert "corner forces, up to 3.03 kN" in text
 
