@@ -288,12 +288,9 @@ def thrust_line(
 
 
 def hinged(contacts: Contacts, resultants: Resultants) -> Bools:
-    """Whether each joint (m,) is a hinge: it has an area, and its resultant acts on the rim.
-
-    Where a joint pulls, the resultant can be beyond the rim; that is no hinge.
-    """
+    """Whether each joint (m,) is a hinge: it has an area, and its resultant acts on the rim."""
     rim, area = eccentricity(contacts, resultants)
-    out: Bools = resultants.loaded & (area > 0.0) & (abs(rim - 1.0) < 1.0 - HINGED)
+    out: Bools = resultants.loaded & (area > 0.0) & (rim > HINGED)
     return out
 
 

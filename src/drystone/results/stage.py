@@ -212,7 +212,10 @@ def force_layers(result: Solution, shown: Bools | None = None) -> tuple[Layer, .
             )
         )  # fmt: skip
     carrying = shown[first] & (resultants.normal > FAINT * resultants.normal.max(initial=0.0))
-    hinges, turns = _heaviest(hinged(contacts.joints, resultants) & carrying, resultants.normal)
+    pulled = np.bincount(joint[contacts.interface], _pull(result.force, result.tension))
+    turning = pulled <= (1.0 - HINGED) * resultants.normal  # else the resultant is beyond the rim
+    turning &= hinged(contacts.joints, resultants) & carrying
+    hinges, turns = _heaviest(turning, resultants.normal)
     spent, slides = _heaviest((used > HINGED) & carrying, resultants.normal)
     layers += marks(
         resultants.position, ("edges", f"force at the edge of a joint{turns}", hinges),
@@ -233,14 +236,18 @@ def _heaviest(chosen: Bools, normal: Floats, most: int = 24) -> tuple[Bools, str
     return few, "" if few.sum() == chosen.sum() else f", the most loaded of {chosen.sum()}"
 
 
+def _pull(force: Floats, tension: Floats | None) -> Floats:
+    """Tension (c,) [N] at each corner."""
+    pull: Floats = np.maximum(-force[:, 0], 0.0)
+    return pull if tension is None else np.maximum(pull, tension)
+
+
 def _arrow_layers(result: Solution, resultants: Resultants, shown: Bools) -> list[Layer]:
     """Corner forces, pulls and resultants."""
     contacts, force = result.contacts, result.force
     if force is None:
         return []
-    pull = np.maximum(-force[:, 0], 0.0)
-    if result.tension is not None:
-        pull = np.maximum(pull, result.tension)
+    pull = _pull(force, result.tension)
     corner = shown[contacts.interface]
     pressing = np.flatnonzero((force[:, 0] > 0.0) & corner)
     pulled = np.flatnonzero((pull > 1e-9 * float(np.abs(force).max(initial=0.0))) & corner)

@@ -12,7 +12,7 @@ from drystone.answer.drawing import bare_scene
 from drystone.joint_capacity import JointCapacity
 from drystone.loads import Fill
 from drystone.loads.applied import applied_loads
-from drystone.models import arch, box, segmental_bridge, tower
+from drystone.models import arch, box, bridge, segmental_bridge, tower
 from drystone.view import Layer, save_cad
 from drystone.view.palette import is_shown
 
@@ -173,6 +173,16 @@ def test_edges_that_carry_have_one_name_and_are_no_part_of_a_picture_of_stones_a
         assert not is_shown(mark, "solid")
     (turns,) = (one for one in limit.stages[1].layers if one.key == "hinges")
     assert is_shown(turns, "solid")
+
+
+def test_a_dry_joint_of_two_planes_is_a_hinge_at_its_edge() -> None:
+    """Its rim is measured in one plane: the force at an edge of the other one is beyond it."""
+    result = drystone.check(bridge())
+    joints = result.joints()
+    beyond = np.flatnonzero(joints["edge_ratio"] > 1.01)
+    assert beyond.tolist() == [17, 18]
+    first = np.unique(result.contacts.joint, return_index=True)[1]
+    assert np.isin(first[beyond], layers(result)["edges"].interface).all()
 
 
 def test_glued_joints_pull_at_corners_and_are_no_hinges_where_their_force_is_outside() -> None:
