@@ -14,7 +14,7 @@ from drystone.loads.fill import Tops
 from drystone.loads.seen_strips import SeenStrips
 from drystone.models import barrel_vault, buttressed_arch, dome, segmental_bridge, tower
 from drystone.models.simple import box
-from drystone.models.solids import prism
+from drystone.models.solids import prism, welded
 from drystone.report.sketches import dimensions_picture
 from drystone.view import scene_of
 
@@ -119,21 +119,67 @@ def test_fill_presses_steps_and_walls_beside_it_but_not_what_is_covered_or_outsi
     assert np.flatnonzero(resisting.any(axis=1)).tolist() == [2]
 
 
-@pytest.mark.parametrize("batter", [1e-6, 0.05, 0.3])
-def test_fill_is_not_taken_to_lie_outside_a_battered_wall(batter: float) -> None:
+@pytest.mark.parametrize("batter", [0.0, 1e-8, 1e-6, 0.05, 0.3])
+def test_fill_does_not_lie_outside_a_battered_wall(batter: float) -> None:
     """Two spandrel walls 2 m high: from outside it pressed them as much as from within."""
     low = box((4.0, 3.0, 1.0), name="low")
     across = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
     section = np.array([(0.0, 1.0), (0.5, 1.0), (0.5, 3.0), (batter, 3.0)])
     one = prism(section, (-4.0, 0.0), "south").transformed(across)
     two = prism((3.0, 0.0) + section * (-1.0, 1.0), (-4.0, 0.0), "north").transformed(across)
-    walls = Assembly([low, one, two], [True, False, False])
-    with pytest.raises(InputError, match=r"from outside, where nothing higher .* between=") as told:
-        Fill(cover=0.0, weight=2e4, k=0.5).on(walls)
-    words = str(told.value).partition("such as ")[2]
-    push = Fill.named(f"cover=0m,weight=20kN/m3,k=0.5,{words}").on(walls).wrench
+    walls, words = Assembly([low, one, two], [True, False, False]), "cover=0m,weight=20kN/m3,k=0.5"
+    if batter > 2.0 / 20.0:  # not plumb
+        with pytest.raises(InputError, match=r"from outside, .* between=0.3m:2.7m") as told:
+            Fill.named(words).on(walls)
+        words += "," + str(told.value).partition("lies, ")[2].partition(" or")[0]
+    push = Fill.named(words).on(walls).wrench
     outwards = 0.5 * 2e4 * 2.0**2 / 2.0 * 4.0
-    assert push[1:, 1] == pytest.approx([-outwards, outwards], rel=1e-3)
+    assert push[1:, 1] == pytest.approx([-outwards, outwards], rel=1e-5)
+
+
+@pytest.mark.parametrize("lean", [-0.02, -1e-5, 0.0, 1e-5, 0.02])
+def test_walls_that_lean_a_little_are_pressed_and_turn_no_road(lean: float) -> None:
+    """Spandrel walls 2 m above a slab, with copings that jut out on both sides."""
+    low = box((4.0, 3.0, 1.0), name="low")
+    turn = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    section = np.array([(0.0, 1.0), (0.5, 1.0), (0.5 - 2.0 * lean, 3.0), (-2.0 * lean, 3.0)])
+    one = prism(section, (-4.0, 0.0), "south").transformed(turn)
+    two = prism((3.0, 0.0) + section * (-1.0, 1.0), (-4.0, 0.0), "north").transformed(turn)
+    tops = [
+        box((4.0, 0.6, 0.2), (0.0, y, 3.0), f"{y}") for y in (-0.1 - 2.0 * lean, 2.5 + 2.0 * lean)
+    ]
+    walls = Assembly([low, one, two, *tops], [True, False, False, False, False])
+    load = Fill(cover=0.2, weight=2e4, k=0.5)
+    push = load.on(walls).wrench
+    outwards = 0.5 * 2e4 * 4.0 * (2.4**2 - 0.4**2) / 2.0
+    assert push[1:3, 1] == pytest.approx([-outwards, outwards])
+    above = max(lean, 0.0) * 4.0 * (2.4**2 - 0.4**2) / 2.0  # [m3], on its inner face
+    assert push[1:3, 2] == pytest.approx(-2e4 * above, abs=1e-6)
+    np.testing.assert_array_equal(Tops.of(walls, load).strips.axes, np.eye(3))
+
+
+@pytest.mark.parametrize("skew", [0.2, 0.6, 1.0])
+def test_fill_between_two_places_of_a_skew_bridge_is_that_of_a_narrower_one(skew: float) -> None:
+    shear = np.array([[1.0, skew, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+    turn = rotation_about(np.array([0.0, 0.0, 1.0]), 12.0)
+
+    def bridge(low: float, high: float) -> Assembly:
+        right = segmental_bridge(6.0, 1.5, 0.45, 8, width=high - low, height=2.0)
+        corners = ((b.vertices + np.array([0.0, low, 0.0])) @ shear.T for b in right.blocks)
+        blocks = [
+            welded([corner[list(face)] for face in b.faces], b.name)
+            for b, corner in zip(right.blocks, corners, strict=True)
+        ]
+        return Assembly(blocks, right.fixed).transformed(turn)
+
+    fill, part = Fill(0.3, 2e4, k=0.3), Fill(0.3, 2e4, k=0.3, between=(0.5, 2.5))
+    wide, narrow = Tops.of(bridge(0.0, 3.0), part), Tops.of(bridge(0.5, 2.5), fill)
+    np.testing.assert_allclose(wide.strips.axes[:2, :2], turn[:2, :2].T, atol=1e-9)
+    force = narrow.pressed(1.0, 0.3)[:, :3]
+    np.testing.assert_allclose(
+        wide.pressed(1.0, 0.3)[:, :3], force, atol=1e-6 * np.abs(force).max()
+    )
+    assert wide.borne(3.0, 0.4, 2.4) == pytest.approx(narrow.borne(3.0, 0.4, 2.4))
 
 
 def test_fill_between_two_places_is_that_of_a_narrower_bridge() -> None:
@@ -333,8 +379,6 @@ def test_earth_weighs_on_a_back_that_leans_and_not_on_what_stands_before_it() ->
     toe = Earth(side="-x", weight=2e4, k=0.3).on(wall)
     heel = Earth(side="x", weight=2e4, k=0.3).on(wall)
     assert toe.wrench[:, 0] == pytest.approx(-heel.wrench[:, 0])
-    from drystone.models.solids import prism
-
     leaning = Assembly((prism([(0, 0), (2, 0), (1, 2), (0, 2)], (0, 1)),), np.array([False]))
     load = Earth(side="x", weight=2e4, k=0.3).on(leaning)
     assert load.wrench[0, :3] == pytest.approx([-0.3 * 4e4, 0.0, -2e4])  # half of 1 m by 2 m

@@ -9,6 +9,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 from typing import Any, Literal, Self
 
 import numpy as np
@@ -28,6 +29,12 @@ from drystone.loads.placing import SurfaceLoad
 from drystone.loads.seen_strips import SeenStrips, Spots, Traction
 from drystone.supports import select
 
+_UPRIGHT = 1e-3
+"""Rise of the normal of a side of a bridge. Chosen: coordinates in whole millimetres have less."""
+_SLOPES = 0.1
+"""Share by which soffits slope one way more than square to it; of domes with few stones less."""
+_PLUMB = 20.0
+"""Slope from which on a face is the side of a bridge. Chosen: no batter and no dome is as steep."""
 _LEAN = 0.1
 """Of the eye that sees upright faces. Chosen: 1 mm between two blocks takes pressure to 1 cm."""
 
@@ -151,28 +158,46 @@ class Fill(Options):
 def _road_axes(assembly: Assembly) -> Floats:
     """Directions along the road, across it and up, rows (3, 3); they turn with the model about z.
 
-    Sides of a bridge are upright: across is where such faces look, y if some do, or else where the
-    largest area does. Of both directions along is that in which faces that look down slope more, or
-    the one nearest to x.
+    Across is where the largest area of upright faces looks, by its part square to the direction in
+    which soffits slope: so piers and abutments do not count, if the bridge is skew or not. Without
+    upright faces the road runs as soffits slope. Where these have no direction, as in domes and
+    slabs, it is along x if faces look along y; or else one of the two ways square to the largest
+    area, the one nearer to x.
     """
     mine = ~assembly.fixed[assembly.faces.owner]
-    area, normal = assembly.faces.area_vectors[mine], assembly.faces.normals[mine]
-    flat = normal[:, 0] + 1j * normal[:, 1]
-    upright = np.abs(normal[:, 2]) < 1e-6
-    ways, which = np.unique(np.round(flat[upright] ** 4, 6), return_inverse=True)
-    turn = np.ones(1, dtype=complex)
-    if len(ways) and np.abs(ways - 1.0).min() > 1e-6:
-        size = np.bincount(which.ravel(), lengths(area[upright]), len(ways))
-        alike = np.flatnonzero(size > (1.0 - SAME) * size.max())
-        best = alike[np.abs(np.angle(ways[alike])).argmin()]
-        turn = np.exp(0.25j * np.angle(flat[upright][which.ravel() == best][:1] ** 4))
-    down = normal[:, 2] < -1e-6
-    turned = flat[down] / turn
-    slopes = lengths(area[down]) @ np.column_stack([turned.real, turned.imag]) ** 2
-    if slopes[1] > (1.0 + SAME) * slopes[0]:
-        turn *= 1j
-    x, y = np.round([turn.real[0], turn.imag[0]], 12) + 0.0
+    area, normal = lengths(assembly.faces.area_vectors[mine]), assembly.faces.normals[mine]
+    twice = (normal[:, 0] + 1j * normal[:, 1]) ** 2  # the same for both sides of a wall
+    soffit = area * np.where(normal[:, 2] < -1.0 / _PLUMB, -normal[:, 2], 0.0)
+    slope = complex(soffit @ twice)
+    upright = np.abs(normal[:, 2]) < _UPRIGHT
+    ways, which = np.unique(np.round(twice[upright], 3), return_inverse=True)
+    size = np.bincount(which.ravel(), area[upright], len(ways))
+    mean = np.zeros(len(ways), dtype=complex)
+    np.add.at(mean, which.ravel(), area[upright] * twice[upright])
+    along = 1.0 + 0.0j
+    if abs(slope) > _SLOPES * float(soffit @ np.abs(twice)) > 0.0:
+        square = 0.5 * size * (1.0 - (ways * (slope / abs(slope)).conjugate()).real)
+        best = int(square.argmax()) if len(ways) else 0
+        sides = len(ways) > 0 and square[best] > SAME * size.max()
+        along = np.sqrt(-mean[best] if sides else slope)
+    elif len(ways) and np.abs(ways + 1.0).min() > SAME:
+        along = np.sqrt(np.sqrt(mean[size.argmax()] ** 2))
+    along /= abs(along)
+    if along.real <= -along.imag:  # from -45 to 135 degrees
+        along = -along
+    x, y = np.round([along.real, along.imag], 12) + 0.0
     return np.array([[x, y, 0.0], [-y, x, 0.0], [0.0, 0.0, 1.0]])
+
+
+def _plumb(strips: SeenStrips) -> Bools:
+    """Which faces (m,), seen from above, are upright, or sides of a bridge that nearly are."""
+    along, across, up = np.abs(np.round(strips.normal @ strips.axes.T, 6)).T
+    return (strips.normal[:, 2] <= SAME) | ((up <= 1.0 / _PLUMB) & (across > along))
+
+
+def _area(at: Spots, axes: Floats) -> Floats:
+    """Of the face (p, 3), along its normal in world axes, by the area that is seen."""
+    return np.asarray(np.column_stack([-at.slope, np.ones(len(at.slope))]) @ axes)
 
 
 @dataclass(frozen=True, eq=False)
@@ -200,10 +225,10 @@ class Tops:
     @classmethod
     def of(cls, assembly: Assembly, fill: Fill) -> Self:
         """Those of an assembly."""
-        axes, between = _road_axes(assembly), fill.between or (-math.inf, math.inf)
-        strips = SeenStrips.of(assembly, axes, places=fill.between or ())
-        s = strips.s.mean(axis=1)
-        strips = strips.chosen((s > between[0]) & (s < between[1]))
+        strips = SeenStrips.of(assembly, _road_axes(assembly))
+        strips = strips.chosen(~_plumb(strips))  # those are seen from beside
+        if fill.between is not None:
+            strips = strips.across(*fill.between)
         free = ~assembly.fixed[strips.block]
         if not free.any():
             raise InputError(
@@ -229,34 +254,40 @@ class Tops:
         """No fill presses a face from outside, unless ``between`` says that it is there."""
         if self.fill.between is not None or not max(self.fill.k, self.fill.passive):
             return
-        mine = self.strips.chosen(~self.assembly.fixed[self.strips.block])
-        steep = mine.chosen(np.abs(mine.slope[:, 1]) > 1.0)
-        out, axes = -np.sign(steep.slope[:, 1]), self.strips.axes
-        half = 0.5 * out[:, None] * steep.width
-        near, far = (steep.s - half).mean(axis=1), (steep.s + half).mean(axis=1)
-        faces = [(steep.block, steep.t.mean(axis=1), near, far, steep.r.mean(axis=1), out)]
+        slope = np.abs(self.strips.slope)
+        steep = (slope[:, 1] > 1.0) & (slope[:, 1] > (1.0 + SAME) * slope[:, 0])
+        steep &= self.strips.width.max(axis=1) > _UPRIGHT * self.breadth
+        seen = self.strips.chosen(steep & ~self.assembly.fixed[self.strips.block])
+        axes = self.strips.axes
+        out = -np.sign(seen.slope[:, 1])
+        half = 0.5 * out[:, None] * seen.width
+        near, far = (seen.s - half).mean(axis=1), (seen.s + half).mean(axis=1)
+        faces = [(seen.block, seen.t.mean(axis=1), near, far, seen.r.mean(axis=1), out)]
         for one, way in zip(self.beside[2:], (1.0, -1.0), strict=True):
             t, at, r = (one.middle @ axes.T).T
-            faces.append((one.block, t, at, at, r, np.full(len(t), way)))
-        block, t, near, far, r, out = (np.concatenate(each) for each in zip(*faces, strict=True))
+            beyond = at + way * _LEAN * self._deep(one.middle)
+            faces.append((one.block, t, at, beyond, r, np.full(len(t), way)))
+        block, t, near, far, r, out = map(np.concatenate, zip(*faces, strict=True))
+        low, high = self.sides
         ends = np.stack([far + out * SAME * self.breadth, out * math.inf], axis=1)
-        ends = np.clip(ends, *(self.sides + np.array([-1.0, 1.0]) * self.breadth))
+        ends = np.clip(ends, low - self.breadth, high + self.breadth)
         lines = shapely.linestrings(np.stack([np.stack([t, t], 1), ends], axis=2))
         face, top = self._plan.query(lines, "intersects")
         held = np.zeros(len(block), dtype=bool)
         held[face[self.strips.highest[top].max(axis=1) > r[face]]] = True
         if not held.all():
-            low, high = self.sides
             first = near[~held & (out < 0.0)].max(initial=low)
             last = near[~held & (out > 0.0)].min(initial=high)
-            step = 10.0 ** math.floor(math.log10(self.breadth) - 3.0)  # digits, rounded inwards
-            first, last = (math.ceil(x / step - SAME) * step + 0.0 for x in (first, -last))
+            step = 10.0 ** math.floor(math.log10(self.breadth) - 3.0)  # of the digits that are told
+            inside = math.ceil(first / step - SAME), math.floor(last / step + SAME)
+            whole = math.floor(low / step) - 1, math.ceil(high / step) + 1
+            each = [f"between={a * step + 0.0:.12g}m:{b * step + 0.0:.12g}m"
+                    for a, b in (inside, whole) if a < b]  # fmt: skip
             names = named([self.assembly.names[i] for i in np.unique(block[~held])], 2)
             raise InputError(
-                f"it would press {names} from outside, where nothing higher holds it; tops lie "
-                f"from {low:.4g} to {high:.4g} m across the road",
+                f"it would press {names} from outside, where nothing higher holds it",
                 where="fill",
-                remedy=f"say where it lies, such as between={first:.5g}m:{-last:.5g}m",
+                remedy=f"say where it lies, {' or, on all tops, '.join(each)}",
             )
 
     def level(self, x: Floats) -> Floats:
@@ -280,6 +311,11 @@ class Tops:
         free = self.strips.chosen(~self.assembly.fixed[self.strips.block])
         return np.array([(free.s - 0.5 * free.width).min(), (free.s + 0.5 * free.width).max()])
 
+    @cached_property
+    def _carriageway(self) -> SeenStrips:
+        """What is between the sides of free blocks."""
+        return self.strips.across(*self.sides)
+
     @property
     def breadth(self) -> float:
         """[m], across the road, of the free blocks."""
@@ -287,11 +323,10 @@ class Tops:
 
     def _wide(self, low: float, high: float) -> float:
         """Mean width [m] of the tops between two places along the road."""
-        part = self.strips.within(low, high)
-        ends = np.stack([part.s - 0.5 * part.width, part.s + 0.5 * part.width])
-        width = np.diff(np.clip(ends, *self.sides), axis=0)[0].mean(axis=1)
-        t = part.t[width > 0.0]
-        return float(width @ np.ptp(part.t, axis=1) / np.ptp(t)) if len(t) else self.breadth
+        part = self._carriageway.within(low, high)
+        if not len(part.block):
+            return self.breadth
+        return float(part.width.mean(axis=1) @ np.ptp(part.t, axis=1) / np.ptp(part.t))
 
     def depth(self, x: float) -> float:
         """[m], from the road to the mean free top at a place, or at the nearest that has one."""
@@ -312,11 +347,9 @@ class Tops:
         self, vertical: float, horizontal: float
     ) -> Sequence[tuple[SeenStrips, Traction]]:
         """What is pressed by these shares, seen from above and beside, and with what."""
-        upright = [one for one in self.beside if len(one.block)] if horizontal else ()
-        beside = self._pressure(horizontal, horizontal)
-        return [
-            (self.strips, self._pressure(vertical, horizontal)), *((one, beside) for one in upright)
-        ]  # fmt: skip
+        seen = self.strips, *(self.beside if horizontal else self.beside[2:])
+        return [(one, self._pressure(one.axes, vertical, horizontal)) for one in seen
+                if len(one.block)]  # fmt: skip
 
     @cached_property
     def beside(self) -> Sequence[SeenStrips]:
@@ -331,21 +364,34 @@ class Tops:
         axes = np.stack([np.cross(across, eye), across, eye])
 
         def sought(strips: SeenStrips) -> Bools:
-            towards = np.round(strips.normal @ np.column_stack([ways.T, up]), 6)
-            return (towards[:, 4] == 0.0) & (np.argmax(towards[:, :4], axis=1) == way)
+            towards = strips.normal @ np.column_stack([ways.T, up])
+            level = np.round(towards[:, :4], 6)  # of two ways alike the first
+            least, most = -1.0 / _PLUMB, SAME if ends else 1.0 / _PLUMB
+            plumb = (towards[:, 4] > least) & (towards[:, 4] <= most)
+            return plumb & (np.argmax(level, axis=1) == way)
 
-        places = self.fill.between or () if ends else np.unique(self.strips.t)
-        other = aside if ends else along
-        seen = SeenStrips.of(self.assembly, axes, sought, (across @ other) * np.array(places))
+        places = () if ends else (across @ along) * np.unique(self.strips.t)
+        seen = SeenStrips.of(self.assembly, axes, sought, places)
         seen = seen.chosen(~self.assembly.fixed[seen.block])
-        # has it a top below what is before it, and not beside the bridge?
-        before = (seen.middle + SAME * self.breadth * level) @ self.strips.axes.T
-        inside = np.abs(before[:, 1] - self.sides.mean()) < 0.5 * self.breadth
         if ends:
-            return seen.chosen(inside)
-        some = np.zeros(len(before), dtype=bool)
-        some[self._plan.query(shapely.points(before[:, :2]), "intersects")[0]] = True
-        return seen.chosen(some & inside)
+            return seen.across(*np.sort((across @ aside) * self._sides))
+        # is what is before it lower, or covered only by what juts out less than its depth by ten?
+        near = (seen.middle + SAME * self.breadth * level) @ self.strips.axes.T
+        clear = near[:, 1] + (level @ aside) * _LEAN * self._deep(seen.middle)
+        some = self._lower(near) | self._lower(np.column_stack([near[:, 0], clear, near[:, 2]]))
+        sides = self._sides
+        return seen.chosen(some & (near[:, 1] > sides[0]) & (near[:, 1] < sides[1]))
+
+    @property
+    def _sides(self) -> Floats:
+        return self.sides if self.fill.between is None else np.array(self.fill.between)
+
+    def _lower(self, at: Floats) -> Bools:
+        """Whether there is a top below points (m, 3) [m] along the axes."""
+        point, top = self._plan.query(shapely.points(at[:, :2]), "intersects")
+        found = np.zeros(len(at), dtype=bool)
+        found[point[self.strips.r[top].mean(axis=1) < at[point, 2]]] = True
+        return found
 
     @cached_property
     def _plan(self) -> shapely.STRtree:
@@ -381,31 +427,39 @@ class Tops:
         """Of the fill: its columns lie on the blocks under them, each at its own place."""
         down = self.pressed(1.0, 0.0)
 
-        def traction(at: Spots) -> Floats:
-            deep = self._deep(at)
-            line = self.fill.weight * deep
-            return np.column_stack([line, 0.5 * deep * line, 0.0 * line])
+        def pushed(axes: Floats) -> Traction:
+            def traction(at: Spots) -> Floats:
+                deep = self._deep(at.point)
+                line = self.fill.weight * deep * np.maximum(_area(at, axes)[:, 2], 0.0)
+                local = np.column_stack([line, 0.5 * deep * line, 0.0 * line])
+                return np.asarray(local @ self.strips.axes @ axes.T)
+
+            return traction
 
         # by a push along the torque about across has the heights of the tops, that across the half
         # depths
-        push, across = self.strips.wrenches(self.assembly, traction), self.strips.axes[1]
-        height = (push[:, 3:] + push[:, :3]) @ across
+        push = np.zeros((len(self.assembly), 6))
+        for one in (self.strips, *self.beside[2:]):
+            push += one.wrenches(self.assembly, pushed(one.axes))
+        height = (push[:, 3:] + push[:, :3]) @ self.strips.axes[1]
         place = np.column_stack([down[:, 4], -down[:, 3], height])
         by, gravity = 1.0 / STANDARD_GRAVITY, STANDARD_GRAVITY * np.array(DOWN)
         kind = "resisting fill" if self.fill.passive > self.fill.k else "fill"
         return CarriedMass(kind, -by * down[:, 2], by * place, gravity)
 
-    def _deep(self, at: Spots) -> Floats:
-        """[m], of points below the road."""
-        return np.maximum(self.level(at.point @ self.strips.axes[0]) - at.point[:, 2], 0.0)
+    def _deep(self, point: Floats) -> Floats:
+        """[m], of points (p, 3) below the road."""
+        return np.maximum(self.level(point @ self.strips.axes[0]) - point[:, 2], 0.0)
 
-    def _pressure(self, vertical: float, horizontal: float) -> Traction:
-        """Shares of the pressure of the weight, towards what is seen and across."""
+    def _pressure(self, axes: Floats, vertical: float, horizontal: float) -> Traction:
+        """Shares of the pressure of the weight, on what looks up and across the vertical."""
+        shares = np.array([horizontal, horizontal, vertical])
 
         def traction(at: Spots) -> Floats:
-            down = self.fill.weight * self._deep(at)
-            part = np.column_stack([horizontal * at.slope, np.full(len(down), -vertical)])
-            return np.asarray(down[:, None] * part)
+            area = _area(at, axes)
+            area[:, 2] = np.maximum(area[:, 2], 0.0)
+            down = self.fill.weight * self._deep(at.point)
+            return np.asarray(-down[:, None] * (shares * area) @ axes.T)
 
         return traction
 
@@ -443,28 +497,31 @@ class Tops:
         """
         depth = self.depth(x)
         reach = max(0.5 * contact + self.fill.spread * depth, 1e-6 * self.breadth)
-        line = force * self.borne(x, contact, across) / self._wide(x - reach, x + reach)
+        force *= self.borne(x, contact, across)
         if self.fill.law == "boussinesq" and depth > 0.0:
             places = x + np.linspace(-8.0, 8.0, 129) * max(depth, 0.5 * contact)
-            part = self.strips.cut_at(places)
-            return part.wrenches(self.assembly, self._elastic(line, x, contact, depth))
-        even = 0.5 * line / reach
-        part = self.strips.within(x - reach, x + reach)
+            part = self._carriageway.within(places[0], places[-1]).cut_at(places)
+            return part.wrenches(self.assembly, self._elastic(force, places, contact, depth))
+        even = 0.5 * force / (reach * self._wide(x - reach, x + reach))
+        part = self._carriageway.within(x - reach, x + reach)
         return part.wrenches(
             self.assembly, lambda at: np.tile([0.0, 0.0, -even], (len(at.point), 1))
         )
 
-    def _elastic(self, line: float, x: float, contact: float, depth: float) -> Traction:
-        """Vertical pressure below an even strip load on an elastic half space.
+    def _elastic(self, force: float, places: Floats, contact: float, depth: float) -> Traction:
+        """Vertical pressure below an even strip load on an elastic half space, over the width.
 
         Source: Boussinesq 1885, as integrated over a strip by Terzaghi 1943, section 136.
         """
         half = max(0.5 * contact, 1e-6 * depth)
+        wide = [self._wide(*ends) for ends in pairwise(places.tolist())]
 
         def traction(at: Spots) -> Floats:
-            away = at.point @ self.strips.axes[0] - x
+            along = at.point @ self.strips.axes[0]
+            away = along - 0.5 * (places[0] + places[-1])
             near, far = np.arctan((away - half) / depth), np.arctan((away + half) / depth)
             share = (far - near + 0.5 * (np.sin(2.0 * far) - np.sin(2.0 * near))) / np.pi
+            line = force / np.array(wide)[np.searchsorted(places[1:-1], along)]
             return np.column_stack([np.zeros((len(share), 2)), -share * line / (2.0 * half)])
 
         return traction

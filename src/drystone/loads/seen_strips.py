@@ -167,6 +167,25 @@ class SeenStrips(OneLine):
         inside = self.chosen((self.t[:, 0] < high) & (self.t[:, 1] > low))
         return inside._between(np.maximum(inside.t[:, 0], low), np.minimum(inside.t[:, 1], high))
 
+    def across(self, low: float, high: float) -> SeenStrips:
+        """Their parts between two places [m] along s."""
+        made, least = self, ROUNDING * float(np.abs(self.s).max(initial=0.0))
+        for bound in (low, high):
+            for half in (-0.5, 0.5):
+                away = made.s + half * made.width - bound
+                crosses = (away.min(axis=1) < -least) & (away.max(axis=1) > least)
+                share = away[:, 0] / np.where(crosses, away[:, 0] - away[:, 1], 1.0)
+                place = np.where(
+                    crosses, made.t[:, 0] + share * np.ptp(made.t, axis=1), made.t[:, 1]
+                )
+                rest = made.chosen(crosses)._between(place[crosses], made.t[crosses, 1])
+                made = made._between(made.t[:, 0], place)._and([rest])
+        first, last = (np.clip(made.s + half * made.width, low, high) for half in (-0.5, 0.5))
+        s = 0.5 * (first + last)
+        r = made.r + made.slope[:, 1:] * (s - made.s)
+        cut = SeenStrips(made.axes, made.block, made.t, s, last - first, r, made.slope)
+        return cut.chosen((last - first).max(axis=1) > least)
+
     def _bands(self, least: float) -> Iterator[SeenStrips]:
         """Those of each place along t, where these have the same ends to so many [m]."""
         middle = self.t.mean(axis=1)
