@@ -44,10 +44,7 @@ from drystone.seismic.spectrum import (
     weights_that_move,
 )
 from drystone.settlement import push
-
-_MOVES = 1e-2
-"""Share of the largest motion from which a block moves. Measured: return walls beside a facade that
-overturns move by a thousandth; counted, they change e* from 1 to 0.54."""
+from drystone.settlement.large_displacement import MOVES
 
 
 @dataclass(frozen=True)
@@ -234,7 +231,7 @@ class LocalMechanism(Answer):
     @property
     def _moving(self) -> np.ndarray:
         speed = block_speed(self.model.assembly, self.motion)
-        return np.asarray(speed > _MOVES * float(speed.max(initial=0.0)))
+        return np.asarray(speed > MOVES * float(speed.max(initial=0.0)))
 
     def layers(self) -> Scene:
         """What moves, and the capacity curve beside it."""
@@ -456,20 +453,14 @@ def _found(
     carried = np.bincount(body, weight)
     virtual = np.bincount(body, weight * each) / carried
     middle = np.column_stack([np.bincount(body, weight * x) / carried for x in place.T])
-    moving = np.abs(virtual) > _MOVES * np.abs(virtual).max(initial=0.0)
-    share = float(carried.sum() / carried[moving].sum())
+    moving = np.abs(virtual) > MOVES * np.abs(virtual).max(initial=0.0)
     reach, moved, load = float("nan"), np.zeros(0), np.zeros(0)
     told = "the mechanism just beyond the largest load at which it stands"
     if best is limit.equilibrium:
         told = "the mechanism of the largest load at which forces balance"
     if (model.contacts.plain | model.contacts.ties).all():
         pushed = push(model, live, **late)
-        # its mean displacement is that of all weights, and one of several equal walls may fall
-        falls = (pushed.fallen or pushed.states[-1]).positions[:, :3] @ along
-        fallen = weight[falls[block] > _MOVES * falls.max(initial=0.0)].sum()
-        grown = float(weight.sum() / fallen) if fallen else share
-        moved, load = grown * pushed.displacement, pushed.load
-        reach = float("nan") if pushed.capacity is None else grown * pushed.capacity
+        moved, load, reach = pushed.displacement, pushed.load, pushed.capacity or reach
         told += f"; followed: {pushed.message}"
     else:
         told += "; not followed: its joints are not dry; a part (--part) has d0*"
@@ -487,7 +478,7 @@ def _bodies(model: Model, motion: Floats) -> Ints:
     """Numbers (n,) of the bodies of blocks that move as one in a motion (n, 6)."""
     assembly, contacts = model.assembly, model.contacts
     apart = contacts.corners.max(lengths(corner_motion(assembly, contacts, motion)))
-    whole = apart <= _MOVES * block_speed(assembly, motion).max(initial=0.0)
+    whole = apart <= MOVES * block_speed(assembly, motion).max(initial=0.0)
     return linked(contacts.block_a[whole], contacts.block_b[whole], len(assembly))
 
 

@@ -38,6 +38,12 @@ STAGE = {
     Drive.SUPPORTS: "moving the supports",
     Drive.FRICTION: "reducing the friction",
 }
+
+MOVES = 1e-2
+"""Share of the largest motion from which a block moves. Measured: return walls beside a facade that
+overturns move by a thousandth; counted, they change its displacement from 0.301 to 0.212 m and e*
+from 1 to 0.54."""
+
 WATCHED = 0.3
 """[s] between two states that are watched. Chosen: a picture of 400 blocks takes a tenth of it."""
 
@@ -69,7 +75,8 @@ def push(
         case of the file by its name; left out, all masses are pushed along x. In Python a load
         case, or forces on all masses as shares (3,) of their weight at 9.81 m/s2.
     to : [m] > 0, < inf
-        Displacement at which it ends; left out, the mean size of a block.
+        Mean displacement of all forces of the load at which it ends; left out, the mean size of a
+        block.
     options
         ``fall``, ``carrier``, ``overlap``, ``tangential``, ``pace`` and ``step_limit`` are used;
         where neither it nor the model chooses a carrier, the moving block carries the ends of
@@ -116,11 +123,14 @@ def push(
             axis=1,
         )
         grown /= bodies.force_unit
-        # by this the displacement along the whole load becomes the mean one of its forces
-        share = float(np.linalg.norm(grown) / np.linalg.norm(grown[:, :3], axis=1).sum())
-        share *= bodies.length_unit
-        ended = driver.grow(grown, (bodies.length_unit if to is None else to) / share, tell)
-        return ended, share, 1.0
+        # the displacement along the whole load, by the forces of it that are counted, is their mean
+        size = np.linalg.norm(grown[:, :3], axis=1)
+        whole = float(np.linalg.norm(grown)) * bodies.length_unit
+        ended = driver.grow(grown, (to or bodies.length_unit) * float(size.sum()) / whole, tell)
+        moved = block_motions(bodies, (driver.now().pose,))[0][free, :3]
+        along = np.abs((grown[:, :3] * moved).sum(axis=1))
+        moves = along >= MOVES * size * (along / np.where(size, size, np.inf)).max()
+        return ended, whole / float(size[moves].sum()), 1.0
 
     return _driven(model, Drive.LOAD, run, options, clock)
 

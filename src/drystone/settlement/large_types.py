@@ -165,7 +165,8 @@ class LargeDisplacement(Answer):
     grows     displacement [m]                         load
     ========  =======================================  ==========================================
     load      mean displacement of the forces of the   load factor
-              load, along themselves, by their size
+              load on the blocks that move, along
+              themselves, by their size
     supports  largest motion of a corner of a support  force of the blocks on the moving
                                                        supports, along their motion [N]
     friction  largest displacement of a centroid       share of the friction coefficients
