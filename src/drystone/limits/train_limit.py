@@ -284,8 +284,14 @@ class TrainEnvelope(Answer):
         if len(self.line):
             line = f", and {100.0 * self._line_borne:.3g} % of the line load"
         wide = f"the answer is for all of the model, {tops.breadth:.3g} m wide"
-        share = "" if (shares >= 1.0).all() else ", by its width over that to which loads spread,"
-        return Sentence(f"{wide}: it bears{share} {told}{line}", Role.REMARK)
+        if (shares >= 1.0).all():
+            return Sentence(f"{wide}: it bears {told}{line}", Role.REMARK)
+        share = f"it bears, by its width over that to which loads spread, {told}{line}"
+        strip = (
+            "as a strip of a wider bridge: if this is the whole width, nothing spreads beyond it, "
+            "and a train of your own is to have no 'across' and 'lane'"
+        )
+        return Sentence(f"{wide}: {share}, {strip}", Role.REMARK)
 
     @property
     def _of_place(self) -> Sentence:

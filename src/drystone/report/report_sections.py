@@ -77,7 +77,7 @@ def document_of(answers: Sequence[Answer], about: TitleBlock) -> Document:
         Section("Materials", tuple(_materials(model))),
         Section("Loads", tuple(_loads(model, first))),
         Section("Signs, method and assumptions", (sketches.signs_picture(), *method)),
-        *(Section(one.title, tuple(_answer(one))) for one in answers),
+        *(Section(one.title + _without(one, answers), tuple(_answer(one))) for one in answers),
     ]
     if governing is not None:
         checks = (*_checks(*governing, model), *_sums(answers))
@@ -87,13 +87,13 @@ def document_of(answers: Sequence[Answer], about: TitleBlock) -> Document:
     return Document(f"Stability of {name}", entries, version, _numbered(sections))
 
 
-def _governing(answers: Sequence[Answer]) -> tuple[Result, str] | None:
+def _governing(answers: Sequence[Answer]) -> tuple[Result, Answer] | None:
     """The state whose joints are told: the worst that has other loads than the first, or that.
 
-    With the title of its answer.
+    With its answer.
     """
-    found = ((_forces(one), one.title) for one in worst_first(answers))
-    known = [(state, title) for state, title in found if state is not None]
+    found = ((_forces(one), one) for one in worst_first(answers))
+    known = [(state, one) for state, one in found if state is not None]
     first = _forces(answers[0])
     others = [one for one in known if first is None or one[0].load.name != first.load.name]
     return next(iter([*others, *known]), None)
@@ -152,7 +152,7 @@ def _all(table: Table) -> Iterator[Part]:
 
 
 def _summary(answers: Sequence[Answer], model: Model) -> Iterator[Part]:
-    yield from dict.fromkeys(line for one in worst_first(answers) for line in _told(one))
+    yield from dict.fromkeys(line for one in worst_first(answers) for line in _told(one, answers))
     yield from _carried(model)
     if any(
         isinstance(x, TrainEnvelope) and x.model.load.fills != model.load.fills for x in answers
@@ -160,12 +160,18 @@ def _summary(answers: Sequence[Answer], model: Model) -> Iterator[Part]:
         yield "Only the train has fill: give that with --load, to have it in all parts."
 
 
-def _told(one: Answer) -> Iterator[str]:
+def _without(one: Answer, answers: Sequence[Answer]) -> str:
+    """What a limit beside that of a train does not have."""
+    trains = any(isinstance(each, TrainEnvelope) for each in answers)
+    return ", without the train" if trains and isinstance(one, Limit) else ""
+
+
+def _told(one: Answer, answers: Sequence[Answer]) -> Iterator[str]:
     """The title of an answer, the margins of what stands, and what is to be borne in mind."""
     count = 3 if isinstance(one, Combinations) else 1  # which governs, and what happens there
     said = [*(sentence.text for sentence in one.sentences()[:count]), one.title]
     under = one.asked.facts().get("Load") if isinstance(one, Limit) else None
-    said += [f"Load: {under}"] if under else []
+    said += [f"Load: {under}{_without(one, answers)}"] if under else []
     yield ". ".join(dict.fromkeys(said)) + "."
     margins = one.margins() if isinstance(one, Result) else ()
     for sentence in filter(lambda each: each.text, margins):
@@ -331,6 +337,8 @@ def worst_told(result: Result, count: int) -> Iterator[Part]:
         "joint opens. edge ratio: 100 % is a hinge. In the plans the joint is seen against its "
         "normal, with its kern (dashed) and the centre of pressure (dot)."
     )
+    if "strength_use" in shown:
+        yield "peak pressure: of a linear distribution. The strength is checked by a stress block."
     if (told["friction_use"][worst] > 1.0 + ACCURATE).any():
         yield (
             "A friction use above 100 % is of a joint that turns on its corners: pressure spread "
@@ -346,9 +354,11 @@ def _sums(answers: Sequence[Answer]) -> Iterator[Part]:
             yield one.by_hand()
 
 
-def _checks(result: Result, title: str, model: Model) -> Iterator[Part]:
+def _checks(result: Result, answer: Answer, model: Model) -> Iterator[Part]:
     table = result.joints()
-    yield f"In the state of '{title}', under {result.load.name}."
+    limit = isinstance(answer, Limit | TrainEnvelope)
+    where = f"'{answer.title}'{', at the limit of collapse and not in service' if limit else ''}"
+    yield f"In the state of {where}, under {result.load.name}."
     if not np.array_equal(result.load.wrench, model.load.wrench):
         yield from _applied(result.model)
     yield from worst_told(result, _PLANS)

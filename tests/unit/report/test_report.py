@@ -15,7 +15,7 @@ from drystone import Assembly, InputError, LoadCase, Model, Verdict, report
 from drystone.answer import Answer
 from drystone.base.table import Table
 from drystone.cli import main
-from drystone.limits import Limit, LimitOptions, limit_load, limit_train
+from drystone.limits import Limit, LimitOptions, limit_friction, limit_load, limit_train
 from drystone.loads import Earth, Fill, Train
 from drystone.models import arch, box, segmental_bridge, tower, vault, wall
 from drystone.report import TitleBlock, assess, write_report
@@ -266,7 +266,8 @@ def test_the_falling_side_of_a_limit_has_its_mechanism_with_the_work_of_the_load
     page = html_of(document_of(answers, TitleBlock()))
     assert "unstable, no contact forces can balance the loads; mechanism of 1 block" in page
     assert limit.best.standing is not None
-    told = f"In the state of '{limit.title}', under {limit.best.standing.load.name}."
+    where = f"'{limit.title}', at the limit of collapse and not in service"
+    told = f"In the state of {where}, under {limit.best.standing.load.name}."
     assert told in html.unescape(page)
 
 
@@ -430,6 +431,10 @@ def test_a_report_of_a_train_draws_the_worst_place_and_lists_axles_fill_and_both
     for one in (made, both):
         (hand,) = [each for each in one.sections if each.title.endswith("hand checks")]
         assert found.by_hand().title in [getattr(part, "title", "") for part in hand.parts]
+    other = limit_friction(model, options=LimitOptions(equilibrium_only=True))
+    beside = document_of([found, other], TitleBlock())
+    assert any(one.title.endswith(f"{other.title}, without the train") for one in beside.sections)
+    assert "at the limit of collapse and not in service, under" in html_of(beside)
     axes = draw(found.layers(), (5.0, 3.0), stage=0).axes[0]
     axes.apply_aspect()
     assert axes.get_position().y0 > 0.2  # room for three rows of the legend
