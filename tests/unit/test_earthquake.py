@@ -114,6 +114,16 @@ def test_the_sum_of_cases_shakes_the_masses_of_all_of_them_in_any_order(pier: As
     assert half.wrench[1, 0] == pytest.approx(0.2 * (BLOCKS + 50.0 * G))
 
 
+@pytest.mark.parametrize("share", [0.5, 0.85, 1.0, 1.15, 2.0])
+def test_a_roof_that_weighs_as_its_block_is_shaken_too(share: float) -> None:
+    """From 0.8 to 1.2 it was taken for the weight of the block, and only this was shaken."""
+    wall = Assembly([box((4.0, 0.5, 1.0), (0.0, 0.0, i), f"w{i}") for i in range(3)])
+    wall = wall.with_fixed(["w0"])
+    roof = share * 9.81 * float(wall.mass[2])
+    found = check(wall, load=f"w2:{roof:.6f}N@2,0.25,3", seismic=(0.0, 0.01), shaken=True)
+    assert [float(one.mass.sum()) for one in found.load.masses] == pytest.approx([roof / 9.81])
+
+
 def test_reactions_are_those_of_all_masses_and_the_answer_says_what_is_not_shaken(
     pier: Assembly,
 ) -> None:

@@ -180,7 +180,8 @@ def added(given: Any, assembly: Assembly, gravity: Any = None, shaken: bool = Fa
         for one in each
     ]
     if shaken:
-        cases = [with_shaken_weights(assembly, one, gravity_size(gravity)) for one in cases]
+        size = gravity_size(gravity)
+        cases = [with_shaken_weights(assembly, one, size, one.acceleration) for one in cases]
     return LoadCase.combine([(1.0, one) for one in cases], " + ".join(one.name for one in cases))
 
 

@@ -77,11 +77,15 @@ class Shaken(OneLine):
 
 
 def with_shaken_weights(
-    assembly: Assembly, load: LoadCase, g: float = STANDARD_GRAVITY
+    assembly: Assembly,
+    load: LoadCase,
+    g: float = STANDARD_GRAVITY,
+    common: Floats | None = None,
 ) -> LoadCase:
     """A load case whose downward forces are weights of masses, where their lines enter blocks.
 
-    Their masses are those by a gravity ``g`` [m/s2].
+    Their masses are those by a gravity ``g`` [m/s2]. What is not shaken is ``common`` (3,) [m/s2],
+    :func:`common_acceleration` when left out.
 
     Examples
     --------
@@ -91,7 +95,7 @@ def with_shaken_weights(
     >>> with_shaken_weights(few, roof).masses
     (CarriedMass(load, 100 kg),)
     """
-    applied = applied_loads(assembly, load.beside_masses)
+    applied = applied_loads(assembly, load.beside_masses, common)
     down = applied.force[:, 2] < 0.0
     if not down.any():
         return load

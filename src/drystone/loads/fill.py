@@ -410,7 +410,11 @@ class Tops:
         )
         names = named([self.assembly.names[i] for i in pressed], 2)
         told = f"fill acts on upright faces of {names}, also at the ends, as if the road went on"
-        return (told,) if names else ()
+        rough = (
+            "its push across the road, on spandrel walls, is rough: see loads.md, and check by hand"
+        )
+        across = any(len(one.block) for one in self.beside[2:])
+        return ((told, rough) if across else (told,)) if names else ()
 
     @cached_property
     def resisting(self) -> Floats:
