@@ -158,6 +158,43 @@ def test_walls_that_lean_a_little_are_pressed_and_turn_no_road(lean: float) -> N
     np.testing.assert_array_equal(Tops.of(walls, load).strips.axes, np.eye(3))
 
 
+@pytest.mark.parametrize("voussoirs", [5, 12])
+@pytest.mark.parametrize(("degrees", "digits"), [(0.0, 15), (17.0, 15), (17.0, 6), (57.0, 4)])
+def test_a_spandrel_wall_is_pressed_above_the_arch_and_below_the_road(
+    voussoirs: int, degrees: float, digits: int
+) -> None:
+    """K w (road - z)^2 / 2 along the extrados; half of it to twice as much was found once."""
+    ring = segmental_bridge(10.0, 2.0, 0.5, voussoirs, width=4.0)
+    corners = np.concatenate([b.vertices for b in ring.blocks[1:-1]])[:, [0, 2]]
+    centre, outer = (2.0**2 - 5.0**2) / 4.0, 5.0**2 / 4.0 + 1.0 + 0.5
+    far = np.hypot(corners[:, 0] - 5.0, corners[:, 1] - centre) > outer - 1e-6
+    line = np.unique(corners[far].round(9), axis=0)
+    section = [*line.tolist(), [line[-1, 0], 4.0], [line[0, 0], 4.0]]
+    walls = [prism(section, at, f"wall {at}") for at in ((0.0, 0.5), (3.5, 4.0))]
+    turn = rotation_about(np.array([0.0, 0.0, 1.0]), degrees)
+    blocks = [
+        welded([(b.vertices @ turn.T).round(digits)[list(face)] for face in b.faces], b.name)
+        for b in (*ring.blocks, *walls)
+    ]
+    bridge = Assembly(blocks, [*ring.fixed.tolist(), False, False])
+    fill = Fill(cover=0.0, weight=2e4, k=0.4, between=(0.4999, 3.5001))
+    deep = 4.0 - line[:, 1]
+    each = np.diff(line[:, 0]) * (deep[1:] ** 2 + deep[1:] * deep[:-1] + deep[:-1] ** 2) / 6.0
+    push = Tops.of(bridge, fill).pressed(1.0, 0.4)[-2:, :3] @ turn
+    assert push[:, 1] == pytest.approx(0.4 * 2e4 * each.sum() * np.array([-1.0, 1.0]), rel=1e-3)
+
+
+def test_a_face_that_goes_on_above_the_road_is_pressed_below_it_only() -> None:
+    low = box((6.0, 4.0, 0.5), name="low")
+    walls = [box((6.0, 0.5, 2.0), (0.0, y, 0.5), f"y={y}") for y in (0.0, 3.5)]
+    both = Assembly([low, *walls], [False, False, False])
+    wrench = Fill(0.3, 2e4, k=0.4, between=(0.5, 3.5)).on(both).wrench[1:]
+    outwards = 0.4 * 2e4 * 0.3**2 / 2.0 * 6.0
+    assert wrench[:, 1] == pytest.approx([-outwards, outwards])
+    arm = 1.5 - 0.5 - 0.1  # [m], below the middle of the wall
+    assert wrench[:, 3] == pytest.approx([-outwards * arm, outwards * arm])
+
+
 @pytest.mark.parametrize("skew", [0.2, 0.6, 1.0])
 def test_fill_between_two_places_of_a_skew_bridge_is_that_of_a_narrower_one(skew: float) -> None:
     shear = np.array([[1.0, skew, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
@@ -478,7 +515,7 @@ def test_pressures_on_the_same_faces_are_added_in_their_picture() -> None:
         ("fill:cover=0.1m,cover=0.2m", "'cover' is given twice"),
         ("fill:cover=0.1m,weight=20kN/m3,between=1m:0m", "give the lesser place first"),
         ("fill:cover=0.1m,weight=20kN/m3,between=5m:6m", "no free block has a top there"),
-        ("fill:cover=0.1m,weight=20kN/m3,between=5m", "length '' is not a number"),
+        ("fill:cover=0.1m,weight=20kN/m3,between=5m", "'5m' is one place; write two"),
         ("earth:side=-x,weight=18kN/m3,k=0.3,delta=20deg", "no 'delta'; .* wall_friction"),
         ("earth:side=-x,weight=18kN/m3,k=-1", "is -1"),
         ("earth:side=z,weight=18kN/m3,k=0.3", "side is 'z'"),

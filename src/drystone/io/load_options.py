@@ -152,11 +152,8 @@ class Loads:
 
 
 def _two_weights() -> InputError:
-    said, remedy = (
-        "the cases of the file have their own weight",
-        "leave out --gravity and --density",
-    )
-    return InputError(said, where="case", remedy=remedy)
+    said = "the cases of the file have their own weight"
+    return InputError(said, where="case", remedy="leave out --gravity and --density")
 
 
 def added(given: Any, assembly: Assembly, gravity: Any = None, shaken: bool = False) -> LoadCase:

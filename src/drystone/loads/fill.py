@@ -17,7 +17,7 @@ import shapely
 
 from drystone.assembly import Assembly
 from drystone.base import units
-from drystone.base.arrays import SAME, Bools, Floats, lengths
+from drystone.base.arrays import FARTHEST, SAME, Bools, Floats, lengths
 from drystone.base.display import named
 from drystone.base.errors import InputError, meant
 from drystone.base.settings import Options
@@ -370,17 +370,28 @@ class Tops:
             plumb = (towards[:, 4] > least) & (towards[:, 4] <= most)
             return plumb & (np.argmax(level, axis=1) == way)
 
-        places = () if ends else (across @ along) * np.unique(self.strips.t)
-        seen = SeenStrips.of(self.assembly, axes, sought, places)
+        seen = SeenStrips.of(self.assembly, axes, sought)
         seen = seen.chosen(~self.assembly.fixed[seen.block])
         if ends:
-            return seen.across(*np.sort((across @ aside) * self._sides))
+            return self._below_road(seen.across(*np.sort((across @ aside) * self._sides)))
+        places = np.unique(self.strips.t)
+        places = places[np.diff(places, prepend=-np.inf) > SAME * self.breadth]
+        edges = np.sort((across @ along) * np.array([-FARTHEST, *places, FARTHEST]))
+        pieces = [seen.across(*one) for one in pairwise(edges.tolist())]
+        seen = self._below_road(pieces[0]._and(pieces[1:]))
         # is what is before it lower, or covered only by what juts out less than its depth by ten?
         near = (seen.middle + SAME * self.breadth * level) @ self.strips.axes.T
         clear = near[:, 1] + (level @ aside) * _LEAN * self._deep(seen.middle)
         some = self._lower(near) | self._lower(np.column_stack([near[:, 0], clear, near[:, 2]]))
         sides = self._sides
         return seen.chosen(some & (near[:, 1] > sides[0]) & (near[:, 1] < sides[1]))
+
+    def _below_road(self, seen: SeenStrips) -> SeenStrips:
+        """Strips cut at the road, above which nothing presses."""
+        ends = np.stack([seen.t, seen.s, seen.r], axis=2) @ seen.axes
+        return seen.parted(
+            self.level(ends @ self.strips.axes[0]) - ends[..., 2], SAME * self.breadth
+        )
 
     @property
     def _sides(self) -> Floats:
@@ -390,7 +401,10 @@ class Tops:
         """Whether there is a top below points (m, 3) [m] along the axes."""
         point, top = self._plan.query(shapely.points(at[:, :2]), "intersects")
         found = np.zeros(len(at), dtype=bool)
-        found[point[self.strips.r[top].mean(axis=1) < at[point, 2]]] = True
+        each, x, y = self.strips.chosen(top), *at[point, :2].T
+        share = ((x - each.t[:, 0]) / np.ptp(each.t, axis=1))[:, None]
+        s, r = (one[:, 0] + (share * np.diff(one))[:, 0] for one in (each.s, each.r))
+        found[point[r + each.slope[:, 1] * (y - s) < at[point, 2]]] = True
         return found
 
     @cached_property
@@ -403,18 +417,12 @@ class Tops:
     @property
     def notes(self) -> tuple[str, ...]:
         """On which upright faces it acts."""
-        pressed = (
-            np.unique([i for one in self.beside for i in one.block])
-            if max(self.fill.k, self.fill.passive)
-            else ()
-        )
+        if not max(self.fill.k, self.fill.passive):
+            return ()
+        pressed = np.unique(np.concatenate([one.block for one in self.beside]))
         names = named([self.assembly.names[i] for i in pressed], 2)
         told = f"fill acts on upright faces of {names}, also at the ends, as if the road went on"
-        rough = (
-            "its push across the road, on spandrel walls, is rough: see loads.md, and check by hand"
-        )
-        across = any(len(one.block) for one in self.beside[2:])
-        return ((told, rough) if across else (told,)) if names else ()
+        return (told,) if names else ()
 
     @cached_property
     def resisting(self) -> Floats:
@@ -748,7 +756,9 @@ def spread(text: str) -> float:
 
 def _between(text: str) -> tuple[float, float]:
     """Two places [m], such as ``-1.5m:1.5m``."""
-    low, _, high = text.partition(":")
+    low, colon, high = text.partition(":")
+    if not colon:
+        raise InputError(f"'{text}' is one place", remedy="write two, such as -1.5m:1.5m")
     return length(low), length(high)
 
 

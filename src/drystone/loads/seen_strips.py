@@ -71,7 +71,6 @@ class SeenStrips(OneLine):
         assembly: Assembly,
         axes: Floats,
         sought: Callable[[SeenStrips], Bools] | None = None,
-        places: Sequence[float] = (),
     ) -> SeenStrips:
         """Those of an assembly that no other block hides.
 
@@ -81,8 +80,6 @@ class SeenStrips(OneLine):
         axes : (3, 3)
         sought
             Which are meant; all when left out.
-        places : [m]
-            Along s, where strips end as well.
 
         Examples
         --------
@@ -123,9 +120,8 @@ class SeenStrips(OneLine):
         corners = np.unique(made.t)
         made = made.cut_at(corners[np.diff(corners, prepend=-np.inf) > least])
         made = made.chosen(made.t[:, 1] - made.t[:, 0] > 2.0 * least)
-        seen = _visible(made._joined(), np.zeros(0), least)
-        seen = seen if sought is None else seen.chosen(sought(seen))
-        return _visible(seen, np.array(places), least) if len(places) else seen
+        seen = _visible(made._joined(), least)
+        return seen if sought is None else seen.chosen(sought(seen))
 
     @property
     def normal(self) -> Floats:
@@ -140,8 +136,10 @@ class SeenStrips(OneLine):
 
     @property
     def middle(self) -> Floats:
-        """(m, 3) [m], world axes."""
-        return np.asarray(np.stack([self.t, self.s, self.r], axis=2).mean(axis=1) @ self.axes)
+        """(m, 3) [m], inside, where half of each lies on both sides along t; world axes."""
+        share = self.width @ [1.0, 2.0] / (3.0 * self.width.sum(axis=1))
+        ends = np.stack([self.t, self.s, self.r], axis=2)
+        return np.asarray((ends[:, 0] + share[:, None] * np.diff(ends, axis=1)[:, 0]) @ self.axes)
 
     def chosen(self, which: Bools | Ints) -> SeenStrips:
         """Some of them."""
@@ -167,19 +165,28 @@ class SeenStrips(OneLine):
         inside = self.chosen((self.t[:, 0] < high) & (self.t[:, 1] > low))
         return inside._between(np.maximum(inside.t[:, 0], low), np.minimum(inside.t[:, 1], high))
 
+    def parted(self, value: Floats, least: float) -> SeenStrips:
+        """The same strips, cut where a value is zero that goes from one end to the other.
+
+        Parameters
+        ----------
+        value : (m, 2)
+            At both ends.
+        least
+            What is taken for zero.
+        """
+        crosses = (value.min(axis=1) < -least) & (value.max(axis=1) > least)
+        share = value[:, 0] / np.where(crosses, value[:, 0] - value[:, 1], 1.0)
+        at = np.where(crosses, self.t[:, 0] + share * np.ptp(self.t, axis=1), self.t[:, 1])
+        rest = self.chosen(crosses)._between(at[crosses], self.t[crosses, 1])
+        return self._between(self.t[:, 0], at)._and([rest])
+
     def across(self, low: float, high: float) -> SeenStrips:
         """Their parts between two places [m] along s."""
         made, least = self, ROUNDING * float(np.abs(self.s).max(initial=0.0))
         for bound in (low, high):
             for half in (-0.5, 0.5):
-                away = made.s + half * made.width - bound
-                crosses = (away.min(axis=1) < -least) & (away.max(axis=1) > least)
-                share = away[:, 0] / np.where(crosses, away[:, 0] - away[:, 1], 1.0)
-                place = np.where(
-                    crosses, made.t[:, 0] + share * np.ptp(made.t, axis=1), made.t[:, 1]
-                )
-                rest = made.chosen(crosses)._between(place[crosses], made.t[crosses, 1])
-                made = made._between(made.t[:, 0], place)._and([rest])
+                made = made.parted(made.s + half * made.width - bound, least)
         first, last = (np.clip(made.s + half * made.width, low, high) for half in (-0.5, 0.5))
         s = 0.5 * (first + last)
         r = made.r + made.slope[:, 1:] * (s - made.s)
@@ -271,17 +278,17 @@ def _on_line(start: Floats, end: Floats, t: Floats) -> Floats:
     return np.asarray(start + share[:, None] * (end - start))
 
 
-def _visible(strips: SeenStrips, places: Floats, least: float) -> SeenStrips:
+def _visible(strips: SeenStrips, least: float) -> SeenStrips:
     """What no other strip hides, where all strips at one place along t have the same ends.
 
-    The lines along which strips end, and places along s, part what is between two ends: each
-    part is that of the strip nearest to the eye. Strips are cut as well where such lines cross.
+    The lines along which strips end part what is between two ends: each part is that of the strip
+    nearest to the eye. Strips are cut as well where such lines cross.
     """
     seen = []
     for band in strips._bands(least):
         crossed = _crossings(band, least)
         pieces = band.cut_at(crossed)._bands(least) if len(crossed) else [band]
-        seen += [_parts(one, places, least) for one in pieces]
+        seen += [_parts(one, least) for one in pieces]
     return strips.chosen(np.zeros(0, dtype=np.intp))._and(seen)
 
 
@@ -315,13 +322,11 @@ def _crossings(band: SeenStrips, least: float) -> Floats:
     return np.asarray(found[inside])
 
 
-def _parts(band: SeenStrips, places: Floats, least: float) -> SeenStrips:
+def _parts(band: SeenStrips, least: float) -> SeenStrips:
     """What is seen of strips between the same ends, whose sides do not cross."""
     own, count = _lines(band), len(band.block)
     middle = 0.5 * (own[:, 0] + own[:, 1])
-    at = np.concatenate([middle, places])
-    rank = np.argsort(at, kind="stable")
-    at, kept = at[rank], rank >= len(own)
+    at = np.sort(middle)
     parts = np.flatnonzero(at[1:] - at[:-1] > least)
     centre = 0.5 * (at[parts] + at[parts + 1])
     lowest = np.searchsorted(centre, middle[:count], "right")
@@ -332,15 +337,13 @@ def _parts(band: SeenStrips, places: Floats, least: float) -> SeenStrips:
     order = np.lexsort((-strip, near))
     top = np.full(len(parts), -1)
     top[part[order]] = strip[order]  # the nearest is the last
-    cut = np.cumsum(kept)[parts]  # places before each part
-    first = np.flatnonzero(np.diff(top, prepend=-2) | np.diff(cut, prepend=-1))
+    first = np.flatnonzero(np.diff(top, prepend=-2))
     place = at[np.append(parts[first], parts[-1:] + 1)]
-    # a side is that of what begins or ends there; else it is one of the places
+    # a side is that of what begins or ends there
     after, before = np.append(top[first], -1), np.append(-1, top[first])
     begins, ends = (np.abs(middle[one] - place) for one in (after, count + before))
     begins, ends = np.where(after < 0, np.inf, begins), np.where(before < 0, np.inf, ends)
     side = own[np.where(begins <= ends, after, count + before)]
-    side = np.where((np.minimum(begins, ends) > 2.0 * least)[:, None], place[:, None], side)
     some = top[first] >= 0
     low, high = side[:-1][some], side[1:][some]
     one, s = band.chosen(top[first[some]]), 0.5 * (low + high)
