@@ -87,7 +87,8 @@ def balance(result: Result) -> Table:
 def as_one_block(result: Result) -> Table | None:
     """Sliding and overturning of all free blocks as one, about the edge of their level foot.
 
-    ``None`` where the foot is not level or in parts that do not meet, or nothing pushes sideways.
+    Loads act where :class:`AppliedLoads` and the tables of a report have them. ``None`` where the
+    foot is not level or in parts that do not meet, or nothing pushes sideways.
     """
     assembly, contacts = result.assembly, result.contacts
     foot = assembly.fixed[contacts.block_a] != assembly.fixed[contacts.block_b]
@@ -101,10 +102,9 @@ def as_one_block(result: Result) -> Table | None:
         return None
     way = np.array([*total[:2], 0.0]) / push
     reach = at @ way
-    arm = assembly.centroid[free] - (float(reach.max()) * way + at[0] * [0.0, 0.0, 1.0])
-    holds = float((load[free, 2] * (arm @ way)).sum())
-    turns = float((load[free, :2] @ way[:2] * arm[:, 2]).sum())
-    turns += float(load[free, 3:].sum(axis=0) @ np.cross([0.0, 0.0, 1.0], way))
+    toe = float(reach.max()) * way + at[0] * [0.0, 0.0, 1.0]
+    points, vertical, others = _parts_of_load(result, free, toe, np.cross(way, [0.0, 0.0, 1.0]))
+    holds, turns = float(-vertical @ ((points - toe) @ way)), sum(others.values())
     friction = float(contacts.friction[foot].min())
     told = [
         ("vertical load, V", quantity(down, "N")),

@@ -90,6 +90,19 @@ def test_a_wall_is_checked_by_hand_for_sliding_and_overturning_as_one_block() ->
     assert as_one_block(drystone.check(Model.of(tower(3), friction=0.6))) is None
 
 
+def test_a_load_on_the_edge_of_a_wall_holds_it_by_its_own_arm() -> None:
+    """20 kN down at 0.1 m from the toe and 3 kN along x at 1.5 m above it, W = 2 x 23,544 N."""
+    wall = tower(3)
+    load = LoadCase.point_load(wall, "block-2", (3e3, 0, 0), at=(0.5, 0.5, 2.5))
+    load += LoadCase.point_load(wall, "block-1", (0, 0, -20e3), at=(0.9, 0.5, 2))
+    load += LoadCase.gravity(wall)
+    table = as_one_block(drystone.check(Model.of(wall, friction=0.6, load=load)))
+    assert table is not None
+    told = dict(zip(table["quantity"].tolist(), table["value"].tolist(), strict=True))
+    holds, turns = 47088.0 * 0.5 + 20e3 * 0.1, 3e3 * 1.5
+    assert told["overturning, Mv / Mh"] == f"{holds / turns:.4g}"
+
+
 def test_the_ground_below_a_model_has_no_weight_in_a_report(tmp_path: Path) -> None:
     drystone.write(tower(2), tmp_path / "tower.obj")
     model = drystone.read(tmp_path / "tower.obj", supports="ground", density=2200.0, friction=0.6)
