@@ -45,8 +45,7 @@ def draw_blocks(sheet: Sheet, layers: list[Layer]) -> list[tuple[int, Floats]]:
     if len(present) == 0:
         return []
     assembly = scene.assembly.subset(present)
-    contacts = scene.contacts.of_blocks(present, len(scene.assembly))
-    patches = ordered_patches(assembly, contacts, sheet.eye, paper)
+    patches = ordered_patches(assembly, sheet.eye, paper)
     faces = assembly.faces
     corners = faces.point[faces.loop]
     flat = sheet.project(corners)

@@ -30,7 +30,7 @@ def paper_of(toward: np.ndarray) -> np.ndarray:
 def wrong_points(assembly: Assembly, contacts: Contacts, toward: np.ndarray, seed: int = 0) -> int:
     """Number of points of the paper where something other than the nearest face is drawn last."""
     paper = paper_of(toward)
-    patches = ordered_patches(assembly, contacts, toward, paper)
+    patches = ordered_patches(assembly, toward, paper)
     corners = assembly.faces.point[assembly.faces.loop]
     flat, depth = corners @ paper.T, corners @ toward
     loops = np.split(patches.corner, patches.start[1:-1])
@@ -176,7 +176,7 @@ def test_a_concave_block_hides_parts_of_itself() -> None:
 
 def test_faces_seen_from_behind_are_left_out() -> None:
     one = Assembly((box((1, 1, 1)),))
-    patches = ordered_patches(one, Contacts.empty(), VIEWS[0], paper_of(VIEWS[0]))
+    patches = ordered_patches(one, VIEWS[0], paper_of(VIEWS[0]))
     assert len(patches.face) == 3
     assert patches.outlined.all()
 
@@ -185,7 +185,7 @@ def test_cuts_inside_a_flat_face_are_no_edges() -> None:
     cube = box((1, 1, 1))
     triangles = [t for f in cube.faces for t in ((f[0], f[1], f[2]), (f[0], f[2], f[3]))]
     one = Assembly((Block(cube.vertices, tuple(triangles), "cut"),))
-    patches = ordered_patches(one, Contacts.empty(), VIEWS[0], paper_of(VIEWS[0]))
+    patches = ordered_patches(one, VIEWS[0], paper_of(VIEWS[0]))
     assert len(patches.face) == 6
     assert patches.outlined.sum() == 12  # four sides of each of three squares
 
