@@ -162,8 +162,10 @@ class Changed(Answer):
         return [Sentence(word, role), *map(Sentence, told)]
 
     def tables(self) -> Sequence[Table]:
-        """The changes, and what the check has."""
-        own = [table_of(self.changes)] if self.changes else []
+        """The changes, the free mass before and after, and what the check has."""
+        masses = {"before": [free_mass(self.before)], "after": [free_mass(self.model)]}
+        mass = Table("free mass", masses, dict.fromkeys(masses, "kg"))
+        own = [table_of(self.changes), mass] if self.changes else []
         return [*own, *self.result.tables()]
 
     def numbers(self) -> Mapping[str, Any]:
@@ -326,6 +328,11 @@ def _weights(before: Model, after: Model) -> list[Layer]:
             single=True, width=2.0, group="help",
         )
     ]  # fmt: skip
+
+
+def free_mass(model: Model) -> float:
+    """The mass [kg] of the free blocks."""
+    return float(model.assembly.mass[model.assembly.free].sum())
 
 
 class Help(NamedTuple):

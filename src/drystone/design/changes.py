@@ -12,12 +12,13 @@ import numpy as np
 from drystone.assembly import Block
 from drystone.base.arrays import Ints
 from drystone.base.display import OneLine
+from drystone.base.units import quantity
 from drystone.design.block_surgery import insert_block
 from drystone.design.changed_model import acceleration_of
 from drystone.design.joint_cut import JointRecut, joint_plane, recut
 from drystone.design.joint_surgery import move_cut, still_edge, turn_cut, wedge_cut
 from drystone.design.props import PropSeat, with_props
-from drystone.design.words import friction_words, glue_words, names_of, newtons
+from drystone.design.words import friction_words, glue_words, names_of
 from drystone.joint_capacity import JointCapacity
 from drystone.model import Model
 
@@ -221,7 +222,7 @@ def ballast_change(model: Model, count: int, block: int) -> Change:
         return ballasted(model, int(blocks[block]), weight)
 
     def words(weight: float) -> str:
-        return f"a weight of {newtons(weight)} on {names_of(model, [block])}"
+        return f"a weight of {quantity(weight, 'N')} on {names_of(model, [block])}"
 
     own = float(model.assembly.mass[:count].sum() * np.linalg.norm(acceleration_of(model)))
     steps = tuple(share * own for share in _BALLAST_SHARES)

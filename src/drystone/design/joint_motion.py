@@ -23,7 +23,6 @@ from drystone.design.words import (
     joint_name,
     listed,
     names_of,
-    newtons,
     place,
 )
 from drystone.friction_use import utilisation_of
@@ -282,14 +281,14 @@ def _remedy(model: Model, blocks: tuple[int, ...], needs: Needs) -> str:
         low, high = model.assembly.bounds[blocks[0]]
         if ((needs.point < low) | (needs.point > high)).any():  # nothing can push there
             missing = f"a force of {force_words(needs.force)} at its centre and a moment of"
-            missing += f" {newtons(float(moment))} m are missing"
+            missing += f" {quantity(moment, 'N m')} are missing"
         if force * model.assembly.size[blocks[0]] < STILL * moment:
-            missing = f"a moment of {newtons(float(moment))} m is missing"
+            missing = f"a moment of {quantity(moment, 'N m')} is missing"
     if needs.friction is not None:
         ways.append(friction_words("there", needs.friction))
     if needs.ballast is not None:
         name = model.assembly.names[needs.ballast.at[0]]
-        ways.append(f"a weight of {newtons(needs.ballast.value)} on '{name}'")
+        ways.append(f"a weight of {quantity(needs.ballast.value, 'N')} on '{name}'")
     if needs.turn is not None:
         name = joint_name(model, blocks, needs.turn.at[0])
         jams = " (which jams)" if needs.turn.jams else ""
@@ -307,6 +306,6 @@ def _supports(model: Model, blocks: tuple[int, ...], needs: Needs) -> list[str]:
         return []
     if len(props) > 1:
         on, total = names_of(model, [one.block for one in props]), sum(one.size for one in props)
-        return [f"{len(props)} supports on {on} that give {newtons(total)} together"]
+        return [f"{len(props)} supports on {on} that give {quantity(total, 'N')} together"]
     at = "" if len(blocks) == 1 else f" on '{model.assembly.names[props[0].block]}'"
     return [f"a support{at} that gives {force_words(props[0].force)} at {place(props[0].point)}"]

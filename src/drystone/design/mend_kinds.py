@@ -30,7 +30,7 @@ from drystone.design.margin import LARGE_REGION, SMALL_REGION, DesignMargin
 from drystone.design.needs import SEARCHED, props_of, pulls_of_region
 from drystone.design.proposals import KnownNeeds, Proposals, Take, Tries, held_by
 from drystone.design.props import PropSeat, carries, find_props, struts
-from drystone.design.words import force_words, glue_words, listed, names_of, newtons, place, towards
+from drystone.design.words import force_words, glue_words, listed, names_of, place, towards
 from drystone.model import Model
 from drystone.supports import laid_ground
 from drystone.ties import tied
@@ -146,7 +146,7 @@ def _tie(asked: KnownNeeds) -> Proposals:
         return tied(model, int(blocks[ends[0]]), int(blocks[ends[1]]))
 
     def words(change: Change, forces: Floats, _: Floats) -> str:
-        pull = newtons(math.hypot(*forces[0]))
+        pull = quantity(math.hypot(*forces[0]), "N")
         return f"a tie that pulls {pull} between the middles of {change.words(0.0)}"
 
     def told(change: Change) -> Held:
@@ -307,7 +307,7 @@ def _thicker(asked: KnownNeeds) -> Proposals:
         least, most = (quantity(size.min() * by, "m") for by in (1.0, 1.0 + share))
         some = "" if size.max() < 1.01 * size.min() else "the thinnest "
         told = f"{names} thicker by {100.0 * share:.0f} %, {some}from {least} to {most}, "
-        told += "half of it on each face"
+        told += "half of it on each of the two largest free faces"
         return f"{told}; they overhang {beside} where these are no wider" if beside else told
 
     why = f"{listed([f'{100.0 * share:g}' for share in _SHARES])} % more thickness"
@@ -346,7 +346,7 @@ def _glue(asked: KnownNeeds) -> Proposals:
     some = list(free.values())
     why = f"it falls with glue of {MOST:g} times its weight in any one of its joints"
     if len(bench.own) > SMALL_REGION:
-        most = newtons(some[0].steps[-1])
+        most = quantity(some[0].steps[-1], "N")
         why = f"it falls with glue of {most} in the {some[0].joints} joints that pull"
     yield Tries(some, why, known=None if bench.large else known)
 

@@ -132,7 +132,8 @@ _DRAWN = 5_000
 
 
 _LONG = 160
-"""Characters of a mend above its picture. Chosen: two lines."""
+"""Characters of a mend above its picture, which more would cover; it is listed beside it in full.
+Chosen: two lines."""
 
 _FEW_NEEDS = DiagnosisOptions(large=False)
 """What large regions need is found by their mends, the first of which is then told soon."""
@@ -266,8 +267,8 @@ class Mends(Answer):
         few = self.mends[: _DRAWN // max(len(self.model), 1)]
         stages = [scene.stages[0]]
         for text, one in zip(listed, few, strict=False):
-            stage = one.layers().stages[0]
-            stages.append(replace(stage, label=f"mend {len(stages)}", headline=_headline(text)))
+            stage, headline = one.layers().stages[0], shortened(text[0].upper() + text[1:], _LONG)
+            stages.append(replace(stage, label=f"mend {len(stages)}", headline=headline))
         models = [self.diagnosis.model, *(one.result.model for one in few)]
         names = ["", *(f" (mend {i})" for i in range(1, len(few) + 1))]
         assembly, contacts, together = side_by_side(models, stages, names)
@@ -293,11 +294,6 @@ class Mends(Answer):
             "mending": self.message,
             "case": self.case,
         }
-
-
-def _headline(text: str) -> str:
-    """A mend above its picture, which a long one would cover; it is listed beside it in full."""
-    return shortened(text[0].upper() + text[1:], _LONG)
 
 
 @checked_call

@@ -17,10 +17,10 @@ from drystone.assembly import Block
 from drystone.base.arrays import SAME, Floats, Ints, frozen, lengths
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
+from drystone.base.units import quantity
 from drystone.contacts import Contacts
 from drystone.design.changed_model import changed, fresh_name, usual_friction
 from drystone.design.margin import LARGE_REGION, SPARE, soon_at_rest
-from drystone.design.words import newtons
 from drystone.free_faces import FreePart, free_parts
 from drystone.geometry.convex_pieces import solid_of
 from drystone.geometry.frames import frames_from_normals, rotation_about
@@ -452,5 +452,5 @@ def posts(point: Floats, force: Floats, size: Floats, what: str = "") -> list[La
     if not strength.any():
         return []
     way = -force * (0.5 * size / np.maximum(strength, 1e-300))[:, None]
-    told = f"{counted(len(point), 'prop')}{what}, up to {newtons(float(strength.max()))}"
+    told = f"{counted(len(point), 'prop')}{what}, up to {quantity(strength.max(), 'N')}"
     return [Layer("help", told, LayerKind.LINES, "help", point, way, width=4.0, group="help")]

@@ -13,8 +13,9 @@ from drystone.base.arrays import Floats
 from drystone.base.display import named
 from drystone.base.errors import InputError
 from drystone.base.progress import Clock, Stopped
+from drystone.base.units import mass
 from drystone.design.bench import Bench, Near, Tried
-from drystone.design.changed import Changed, Kept
+from drystone.design.changed import Changed, Kept, free_mass
 from drystone.design.changes import Change
 from drystone.design.diagnosis import Region
 from drystone.design.margin import DesignMargin
@@ -108,9 +109,10 @@ class _WholeCheck:
         cost = ADDED if found.settles else 0.0
         cost += JOINT * candidate.joints + ADDED * candidate.added + VOLUME * volume / whole
         if candidate.kind == "friction":
-            gained = np.asarray(made.contacts.friction) - np.asarray(model.contacts.friction)
-            cost += FRICTION * float(gained.sum())
-        how = ", which holds only after settling" if found.settles else ""
+            cost += FRICTION * float((made.contacts.friction - model.contacts.friction).sum())
+        was, now = mass(free_mass(model)), mass(free_mass(made))
+        how = f"; free mass from {was} to {now}" if was != now else ""
+        how += ", which holds only after settling" if found.settles else ""
         jam = bench.jam(candidate, found.value)
         how += str(jam or "")
         kept = Kept(

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 from drystone.base.arrays import Floats
 from drystone.base.display import rounded_up
+from drystone.base.units import quantity
 from drystone.model import Model
 from drystone.results import Result
 
@@ -19,14 +20,6 @@ degrees."""
 
 _ALONG = 0.995
 """A direction is that of an axis if its component along it is larger: 6 degrees."""
-
-
-def newtons(size: float) -> str:
-    """A force as text, with three digits."""
-    for unit, factor in (("MN", 1e6), ("kN", 1e3)):
-        if abs(size) >= factor:
-            return f"{size / factor:.3g} {unit}"
-    return f"{size:.3g} N"
 
 
 def force_words(force: Floats) -> str:
@@ -42,11 +35,11 @@ def force_words(force: Floats) -> str:
     """
     size = math.hypot(*force)
     if abs(force[2]) >= _ALONG * size:
-        return newtons(size) + (f" ({'up' if force[2] > 0.0 else 'down'})" if size else "")
+        return quantity(size, "N") + (f" ({'up' if force[2] > 0.0 else 'down'})" if size else "")
     level = f"level towards {towards(force)}"
     steep = round(math.degrees(math.asin(force[2] / size)))
     slope = f"{abs(steep)} degrees {'above' if steep > 0 else 'below'} " if steep else ""
-    return f"{newtons(size)} ({slope}{level})"
+    return f"{quantity(size, 'N')} ({slope}{level})"
 
 
 def towards(way: Floats) -> str:
@@ -74,7 +67,7 @@ def glue_words(
     """
     ends = {(int(model.contacts.block_a[k]), int(model.contacts.block_b[k])) for k in interfaces}
     where = f" between {names_of(model, ends.pop()) if whole else 'them'}" if len(ends) == 1 else ""
-    carried = f"a pull, and a shear, of {newtons(rounded_up(strength, 3))}"
+    carried = f"a pull, and a shear, of {quantity(rounded_up(strength, 3), 'N')}"
     if len(interfaces) == 1:
         return f"glue{where} that carries {carried}"
     count = f"{len(interfaces)} joints"

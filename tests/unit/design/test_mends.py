@@ -560,8 +560,12 @@ def test_a_vault_of_many_blocks_may_be_thicker_and_a_tie_says_how_long_it_is() -
     vault = drystone.models.barrel_vault(thickness=0.09, courses=15, blocks=3, length=2.0)
     found = find_mends(vault, friction=0.6, options=MendOptions(kinds=("thicker", "tie")))
     tie, thicker = (one.change.description for one in found.mends)
+    (row,) = found.mends[1].tables()[1]
+    assert row["after"] == pytest.approx(1.52 * row["before"], rel=0.02)
     assert "between the middles of 'c03-b01' and 'c11-b01', 2.96 m apart" in tie
-    assert "thicker by 52 %, from 89.5 mm to 136 mm, half of it on each face" in thicker
+    grown = "half of it on each of the two largest free faces"
+    assert f"thicker by 52 %, from 89.5 mm to 136 mm, {grown}" in thicker
+    assert thicker.endswith("; free mass from 2.34 t to 3.55 t")
 
 
 def test_what_stands_without_the_margin_is_not_headed_as_falling(tmp_path: Path) -> None:
