@@ -401,7 +401,7 @@ class LoadFactor(OneLine):
     @cached_property
     def acting(self) -> Floats:
         """Wrenches (n, 6) of the live load at a factor of one."""
-        return self.live.beside(self.model.load)
+        return self.live.beside(self.model.load).wrench
 
     def __call__(self, value: float) -> Model:
         """The model at a factor."""

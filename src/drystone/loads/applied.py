@@ -102,6 +102,21 @@ def applied_loads(assembly: Assembly, load: LoadCase, common: Floats | None = No
     return AppliedLoads(common, block, point, force, left, *_earthquake(assembly, load))
 
 
+def arms_of_loads(assembly: Assembly, load: LoadCase) -> Floats:
+    """Sums (n, 3, 3) [N m] of arms from the centroid of each block times the forces there.
+
+    They turn with the block, the forces keep their direction: of a block that has turned by R, the
+    torque has changed by that of (R - 1) times them.
+    """
+    applied = applied_loads(assembly, load.beside_masses)
+    arms = np.zeros((len(assembly), 3, 3))
+    arm = applied.point - assembly.centroid[applied.block]
+    arms[applied.block] = arm[:, :, None] * applied.force[:, None]
+    for one in load.masses:
+        arms += one.moment[:, :, None] * (one.gravity + one.shake)
+    return arms
+
+
 def _earthquake(assembly: Assembly, load: LoadCase) -> tuple[Floats, Floats]:
     """Its force (3,) [N] on free blocks and their masses, and its place (3,) [m]."""
     free = assembly.free

@@ -401,13 +401,15 @@ class LoadCase(OneLine):
         masses = tuple(one.of_blocks(chosen, every) for one in self.masses)
         return replace(self, wrench=wrench, motion=motion, surface=surface, masses=masses)
 
-    def beside(self, other: LoadCase) -> Floats:
-        """Wrenches (n, 6) by which the sum with another case is more than the other.
+    def beside(self, other: LoadCase) -> LoadCase:
+        """By what the sum with another case is more than the other.
 
-        Its own, and those of the earthquake of each on the masses of the other.
+        Itself, and the earthquake of each on the masses of the other.
         """
-        more = sum((one.pushed(self.shake) for one in other.masses), self.wrench)
-        return np.asarray(sum((one.pushed(other.shake) for one in self.masses), more))
+        own = [one.shaken(other.shake) for one in self.masses]
+        theirs = [replace(x, gravity=np.zeros(3), shake=self.shake) for x in other.masses]
+        wrench = sum((one.wrench for one in (*own, *theirs)), self.beside_masses.wrench)
+        return replace(self, wrench=wrench, masses=(*own, *theirs))
 
     @classmethod
     def combine(

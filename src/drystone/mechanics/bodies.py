@@ -19,6 +19,7 @@ from drystone.base.arrays import Bools, Floats, Ints, cross, dot, lengths, plane
 from drystone.base.ragged import sum_by_owner
 from drystone.geometry.polyhedron import fan_triangles
 from drystone.joints import SWAY
+from drystone.loads.applied import arms_of_loads
 from drystone.mechanics.corners import Carrier, Ends, joint_ends
 from drystone.mechanics.law import Compliance, FrictionBound, StickSlip
 from drystone.mechanics.roles import as_turned, turned_joints
@@ -54,6 +55,7 @@ class Bodies:
     radius : (n,) of gyration about the centroid, the mean over all axes
     mass : (f, 6, 6) of each free block before the motion, by the mean mass and its radius
     load : (f, 6) force, and moment by the radius of gyration
+    arms : (f, 3, 3) of its forces, by the radius, times them; see :func:`turned_load`
     size : (n,) cube root of the volume
     block_a, block_b : (k,) positions of the blocks: the corner slides over the face of a
     turned : (k,) whether these are b and a of the interface, see :mod:`.roles`
@@ -77,6 +79,7 @@ class Bodies:
     radius: Floats
     mass: Floats
     load: Floats
+    arms: Floats
     size: Floats
     block_a: Ints
     block_b: Ints
@@ -183,7 +186,9 @@ def build_bodies(
     turning, radius = gyration(assembly)
     radius = radius / length
     wrench = model.load.wrench[free]
-    load = np.concatenate([wrench[:, :3], wrench[:, 3:] / (length * radius[free, None])], axis=1)
+    by = length * radius[free, None]
+    load = np.concatenate([wrench[:, :3], wrench[:, 3:] / by], axis=1)
+    arms = arms_of_loads(assembly, model.load)[free] / by[..., None]
     strength = np.linalg.norm(load[:, :3], axis=1) + np.linalg.norm(load[:, 3:], axis=1)
     unit = float(strength.mean()) if strength.any() else 1.0
     turned = turned_joints(model)[joint]
@@ -218,6 +223,7 @@ def build_bodies(
         radius=radius,
         mass=mass,
         load=load / unit,
+        arms=arms / unit,
         size=size / length,
         block_a=a,
         block_b=b,
@@ -236,6 +242,25 @@ def build_bodies(
         length_unit=length,
         force_unit=unit,
     )
+
+
+def turned_load(load: Floats, arms: Floats, turn: Floats) -> Floats:
+    """A load (f, 6) on blocks that have turned by rotations (f, 3, 3).
+
+    Forces keep their direction and act where they did on the block; couples stay.
+
+    Parameters
+    ----------
+    load
+    arms : (f, 3, 3)
+        :func:`drystone.loads.applied.arms_of_loads`, scaled as the moments of the load.
+    turn
+    """
+    more = (turn - np.eye(3)) @ arms
+    turned = load.copy()
+    for one, other, third in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        turned[:, 3 + one] += more[:, other, third] - more[:, third, other]
+    return turned
 
 
 def numbered_axes(bodies: Bodies, axes: Floats) -> Floats:

@@ -168,9 +168,14 @@ class Driver(Follower):
         """Where the blocks are."""
         return DrivenState(*self.measure(), self.pose, self.placed, self.response)
 
-    def grow(self, load: Floats, reach: float, tell: Callable[[float], None]) -> Ended:
-        """A load (f, 6) grows until its displacement is ``reach`` or no more load is needed."""
-        self.grown = load
+    def grow(
+        self, load: Floats, arms: Floats, reach: float, tell: Callable[[float], None]
+    ) -> Ended:
+        """A load (f, 6) grows until its displacement is ``reach`` or no more load is needed.
+
+        ``arms`` are those of :func:`turned_load`.
+        """
+        self.grown = load, arms
 
         def advance(step: float) -> Advance:
             return (*self._next(step, distance=step), None)

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drystone.base.arrays import Floats, Ints, lengths
-from drystone.mechanics.bodies import LIGHT, Bodies
+from drystone.mechanics.bodies import LIGHT, Bodies, turned_load
 from drystone.mechanics.law import ContactResponse, respond
 from drystone.mechanics.maps import corner_rows, maps_between, times
 from drystone.mechanics.newton import Equation, Steps, newton
@@ -90,8 +90,8 @@ class Increments:
     rough
         Unbalanced share of the load, by the share that the drag carries, at which an increment has
         converged.
-    grown : (f, 6)
-        The load that grows; None where none does.
+    grown : (f, 6), (f, 3, 3)
+        The load that grows, and its arms; None where none does.
     factor
         Of it, so far.
     iterations
@@ -111,7 +111,7 @@ class Increments:
         self.unit = 1.0 if bodies.felt is None else self._by_feel(bodies.felt)
         self.first = max(float(bodies.normal.sum()), 1.0) / max(len(bodies.free), 1)
         self.drag = self.first
-        self.grown: Floats | None = None
+        self.grown: tuple[Floats, Floats] | None = None
         self.factor = 0.0
         self.iterations = 0
         self.place(self.pose)
@@ -202,6 +202,11 @@ class _Balance(Equation[Increment, tuple[Floats, float]]):
         bodies = blocks.bodies
         self.springs, self.gap, self.before = bodies.springs, blocks.placed.gap, -blocks.friction
         self.weight = blocks.drag * blocks.mass
+        turn, self.grown, self.along = blocks.pose.turn[bodies.free], None, None
+        self.load = turned_load(bodies.load, bodies.arms, turn)
+        if blocks.grown is not None:
+            self.grown = turned_load(*blocks.grown, turn)
+            self.along = self.grown / np.linalg.norm(blocks.grown[0])
         self.shift: Floats | None = None
         if moving is not None:
             self.shift = blocks.imposed(moving)
@@ -213,9 +218,9 @@ class _Balance(Equation[Increment, tuple[Floats, float]]):
         if self.shift is not None:
             moved = moved + self.shift
         response = respond(self.springs, self.gap + moved[:, 0], moved[:, 1:], self.before)
-        left = self.maps.wrench(response.force) + blocks.bodies.load - times(self.weight, motion)
-        if blocks.grown is not None:
-            left = left + factor * blocks.grown
+        left = self.maps.wrench(response.force) + self.load - times(self.weight, motion)
+        if self.grown is not None:
+            left = left + factor * self.grown
         return Increment(
             motion, response, left, _length(blocks.unit * left) / blocks.load_size, factor
         )
@@ -235,12 +240,12 @@ class _Balance(Equation[Increment, tuple[Floats, float]]):
         if renew or self.solve is None:
             self.solve = None  # one set of factors at a time
             self.solve = self.maps.factorise(point.response.tangent, self.weight)
-        step, grown = self.solve(point.left), self.blocks.grown
-        if grown is None:
+        step = self.solve(point.left)
+        if self.grown is None:
             return step, 0.0
-        along, grows = grown / np.linalg.norm(grown), self.solve(grown)
-        missing = self.distance - float((along * (point.motion + step)).sum())
-        change = missing / float((along * grows).sum())
+        grows = self.solve(self.grown)
+        missing = self.distance - float((self.along * (point.motion + step)).sum())
+        change = missing / float((self.along * grows).sum())
         return step + change * grows, change
 
     def after(self, point: Increment, step: tuple[Floats, float], length: float) -> Increment:

@@ -17,6 +17,7 @@ from drystone.base.units import quantity
 from drystone.contacts import Contacts
 from drystone.io.opening import Given, LongHow, as_model
 from drystone.loads import LoadCase
+from drystone.loads.applied import arms_of_loads
 from drystone.loads.case import STANDARD_GRAVITY
 from drystone.loads.earthquake import Shaken
 from drystone.mechanics.bodies import Bodies, build_bodies, numbered_axes, numbered_forces
@@ -63,8 +64,8 @@ def push(
     so that the curve goes on beyond the largest load, where a structure of rigid blocks makes most
     of its motion. The displacement at which the factor has fallen to zero is the displacement
     capacity: let go there, the structure falls. Quasi-static: no inertia. The forces keep their
-    direction and act about the moved centroids. Each increment needs the one before, so an
-    ``executor`` has nothing to share.
+    direction and act where they did on their blocks, as the table of loads has them. Each increment
+    needs the one before, so an ``executor`` has nothing to share.
 
     Parameters
     ----------
@@ -107,7 +108,8 @@ def push(
         case = LoadCase.of(model.assembly, live)
     else:
         case = _of_masses(model, live)
-    free, wrench = model.assembly.free, case.beside(model.load)
+    free, grows = model.assembly.free, case.beside(model.load)
+    wrench, arms = grows.wrench, arms_of_loads(model.assembly, grows)[free]
     if not np.any(wrench[free, :3]):
         raise InputError(
             "the load that grows has no force on a free block", remedy="push a free block"
@@ -118,15 +120,14 @@ def push(
 
     def run(_: Model, bodies: Bodies, driver: Driver, tell: Tell) -> tuple[Ended, float, float]:
         acting = wrench[free]
-        grown = np.concatenate(
-            [acting[:, :3], acting[:, 3:] / (bodies.length_unit * bodies.radius[free, None])],
-            axis=1,
-        )
-        grown /= bodies.force_unit
+        by = bodies.length_unit * bodies.radius[free, None]
+        grown = np.concatenate([acting[:, :3], acting[:, 3:] / by], axis=1) / bodies.force_unit
+        around = arms / (by[..., None] * bodies.force_unit)
         # the displacement along the whole load, by the forces of it that are counted, is their mean
         size = np.linalg.norm(grown[:, :3], axis=1)
         whole = float(np.linalg.norm(grown)) * bodies.length_unit
-        ended = driver.grow(grown, (to or bodies.length_unit) * float(size.sum()) / whole, tell)
+        reach = (to or bodies.length_unit) * float(size.sum()) / whole
+        ended = driver.grow(grown, around, reach, tell)
         moved = block_motions(bodies, (driver.now().pose,))[0][free, :3]
         along = np.abs((grown[:, :3] * moved).sum(axis=1))
         moves = along >= MOVES * size * (along / np.where(size, size, np.inf)).max()
@@ -295,7 +296,7 @@ def _of_masses(model: Model, shares: Sequence[float]) -> LoadCase:
         raise InputError("the load that grows is zero", remedy="give a direction such as (1, 0, 0)")
     load = LoadCase.gravity(model.assembly, STANDARD_GRAVITY * size, given)
     name = f"{', '.join(f'{x:g}' for x in given)} of the weight"
-    return LoadCase(load.wrench, name, shake=load.acceleration)
+    return LoadCase(load.wrench, name, acceleration=load.acceleration, shake=load.acceleration)
 
 
 def _said(found: LargeDisplacement, driver: Driver) -> str:

@@ -116,10 +116,11 @@ def settle(
     """Follow the blocks step by step until they rest or fall.
 
     Contacts are stiff springs with path-dependent Coulomb friction. Translations and rotations are
-    finite: corners and faces move with their blocks. Wrenches of the load keep their direction and
-    act about the moved centroids. Besides the interfaces of the model, faces act that blocks meet
-    while they move: those that are parallel to 2 degrees and face each other at up to ``fall`` of a
-    block's size. What falls is followed again with the vertices that would pass through a face.
+    finite: corners and faces move with their blocks. Forces of the load keep their direction and
+    act where they did on their blocks. Besides the interfaces of the model, faces act that blocks
+    meet while they move: those that are parallel to 2 degrees and face each other at up to ``fall``
+    of a block's size. What falls is followed again with the vertices that would pass through a
+    face.
 
     Parameters
     ----------

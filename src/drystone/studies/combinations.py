@@ -264,7 +264,7 @@ def _carried(model: Model, lasting: LoadCase, others: LoadCase) -> float:
     free = model.assembly.free
     if not lasting.wrench[free].any():
         return float("nan")
-    if not others.beside(lasting)[free].any():
+    if not others.beside(lasting).wrench[free].any():
         return 0.0
     return limit_load(model.with_load(lasting), others, upper=1.0).stands or 0.0
 
