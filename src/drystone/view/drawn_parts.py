@@ -8,9 +8,12 @@ from __future__ import annotations
 from typing import TypeAlias
 
 import numpy as np
+from manifold3d import Manifold
+from scipy.spatial.transform import Rotation
 
 from drystone.answer.scene import Layer, MarkerShape, Scene, SceneStage, State
-from drystone.base.arrays import Floats, Ints
+from drystone.base.arrays import Floats, Ints, unit
+from drystone.geometry.convex_pieces import mesh_of
 from drystone.geometry.frames import frames_from_normals, rotations
 from drystone.view.palette import ROLE_COLOUR, STATE_COLOUR, STATE_LABEL
 
@@ -34,35 +37,19 @@ NAMES = {State.FREE: "blocks", State.SUPPORT: "supports", State.FALLING: "fallin
 
 def tubes(start: Floats, end: Floats, radius: Floats) -> Triangles:
     """Prisms from (p, 3) to (p, 3) [m] with the radii (p,) [m]; closed at both ends."""
-    ring = _ring(end - start) * radius[None, :, None]
-    points = np.concatenate([start + ring, end + ring], axis=0)  # (2 SIDES, p, 3)
-    k = np.arange(SIDES)
-    after = (k + 1) % SIDES
-    sides = [
-        np.stack([k, after, SIDES + after], axis=1),
-        np.stack([k, SIDES + after, SIDES + k], axis=1),
-    ]
-    fan = np.stack([np.zeros(SIDES - 2, dtype=np.intp), k[1:-1], k[2:]], axis=1)
-    return _repeated(points, np.concatenate([*sides, fan[:, ::-1], fan + SIDES]))
+    return _placed(start, end, radius, Manifold.cylinder(1.0, 1.0, 1.0, SIDES))
 
 
 def cones(start: Floats, end: Floats, radius: Floats) -> Triangles:
     """Cones whose bases lie at (p, 3) and whose tips lie at (p, 3) [m]."""
-    ring = start + _ring(end - start) * radius[None, :, None]
-    points = np.concatenate([ring, end[None]], axis=0)
-    k = np.arange(SIDES)
-    side = np.stack([k, (k + 1) % SIDES, np.full(SIDES, SIDES)], axis=1)
-    fan = np.stack([np.zeros(SIDES - 2, dtype=np.intp), k[1:-1], k[2:]], axis=1)
-    return _repeated(points, np.concatenate([side, fan[:, ::-1]]))
+    return _placed(start, end, radius, Manifold.cylinder(1.0, 1.0, 0.0, SIDES))
 
 
 def arrows(start: Floats, end: Floats, radius: float) -> Triangles:
     """Arrows from (p, 3) to (p, 3) [m]; a head is at most half of its arrow."""
-    length = np.linalg.norm(end - start, axis=1)
+    way, length = unit(end - start)
     head = np.minimum(2.0 * HEAD * radius, 0.5 * length)
-    neck = (
-        end - (end - start) * np.divide(head, length, where=length > 0.0, out=head * 0.0)[:, None]
-    )
+    neck = end - head[:, None] * way
     thick = np.full(len(start), radius)
     return joined(tubes(start, neck, thick), cones(neck, end, HEAD * thick))
 
@@ -84,11 +71,8 @@ def arrow_ends(layer: Layer, scale: float) -> tuple[Floats, Floats]:
 
 def marks(position: Floats, radius: float, shape: MarkerShape) -> Triangles:
     """Spheres or octahedra about (p, 3) [m]."""
-    points, corners = _octahedron()
-    if shape is MarkerShape.DISC:
-        for _ in range(2):
-            points, corners = _rounded(points, corners)
-    return _repeated(radius * points[:, None] + position[None], corners)
+    points, corners = mesh_of(Manifold.sphere(radius, 16 if shape is MarkerShape.DISC else 4))
+    return _repeated(position[:, None] + points, corners)
 
 
 def joined(*parts: Triangles) -> Triangles:
@@ -98,49 +82,20 @@ def joined(*parts: Triangles) -> Triangles:
     return points, np.concatenate([c + f for (_, c), f in zip(parts, first, strict=True)])
 
 
-def _ring(along: Floats) -> Floats:
-    """(SIDES, p, 3), unit vectors normal to directions (p, 3), counter-clockwise about them."""
-    length = np.linalg.norm(along, axis=1, keepdims=True)
-    unit = np.divide(along, length, out=np.tile([0.0, 0.0, 1.0], (len(along), 1)), where=length > 0)
-    frame = frames_from_normals(unit)
-    turn = 2.0 * np.pi * np.arange(SIDES)[:, None, None] / SIDES
-    ring: Floats = np.cos(turn) * frame[:, 1] + np.sin(turn) * frame[:, 2]
-    return ring
+def _placed(start: Floats, end: Floats, radius: Floats, solid: Manifold) -> Triangles:
+    """Copies of a solid of height and radius one along z, from (p, 3) to (p, 3) [m]."""
+    points, corners = mesh_of(solid)
+    along = end - start
+    frame = frames_from_normals(unit(along)[0])  # of a line without length it is of no matter
+    across = radius[:, None, None] * (points[:, :2] @ frame[:, 1:])
+    return _repeated(start[:, None] + points[:, 2:] * along[:, None] + across, corners)
 
 
 def _repeated(points: Floats, corners: Ints) -> Triangles:
-    """Copies of one set of triangles: points (q, p, 3) of p copies with q points each."""
-    each, copies = points.shape[:2]
+    """Copies of one set of triangles: points (p, q, 3) of p copies with q points each."""
+    copies, each = points.shape[:2]
     shift = each * np.arange(copies)[:, None, None]
-    return points.swapaxes(0, 1).reshape(-1, 3), (corners[None] + shift).reshape(-1, 3)
-
-
-def _octahedron() -> Triangles:
-    points = np.concatenate([np.eye(3), -np.eye(3)])
-    corners = [
-        (0, 1, 2),
-        (1, 3, 2),
-        (3, 4, 2),
-        (4, 0, 2),
-        (1, 0, 5),
-        (3, 1, 5),
-        (4, 3, 5),
-        (0, 4, 5),
-    ]
-    return points, np.array(corners)
-
-
-def _rounded(points: Floats, corners: Ints) -> Triangles:
-    """Each triangle cut into four, its new corners on the unit sphere."""
-    sides = np.sort(np.concatenate([corners[:, [0, 1]], corners[:, [1, 2]], corners[:, [2, 0]]]))
-    side, number = np.unique(sides, axis=0, return_inverse=True)
-    new = points[side].sum(axis=1)
-    new /= np.linalg.norm(new, axis=1, keepdims=True)
-    ab, bc, ca = (len(points) + number.reshape(-1)).reshape(3, -1)
-    i, j, k = corners.T
-    cut = [(i, ab, ca), (ab, j, bc), (ca, bc, k), (ab, bc, ca)]
-    parts = [np.stack(part, axis=1) for part in cut]
-    return np.concatenate([points, new]), np.concatenate(parts)
+    return points.reshape(-1, 3), (corners + shift).reshape(-1, 3)
 
 
 def fall_moments() -> tuple[Floats, Floats]:
@@ -151,9 +106,8 @@ def fall_moments() -> tuple[Floats, Floats]:
 
 def quaternions(rotation: Floats) -> Floats:
     """(t, 4) x, y, z, w of rotation vectors (t, 3) [rad]."""
-    angle = np.linalg.norm(rotation, axis=1, keepdims=True)
-    half = np.sinc(angle / (2.0 * np.pi)) / 2.0  # sin(angle / 2) / angle, also at zero
-    return np.concatenate([rotation * half, np.cos(0.5 * angle)], axis=1)
+    turned: Floats = Rotation.from_rotvec(rotation).as_quat()
+    return turned
 
 
 def matrix_of(motion: Floats, centroid: Floats) -> Floats:

@@ -10,7 +10,9 @@ from drystone.answer.scene import Layer, LayerKind, Scene
 from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Floats
 from drystone.base.errors import InputError
+from drystone.base.ragged import Ragged
 from drystone.geometry.polyhedron import Faces, rings
+from drystone.geometry.slipping import clipped
 
 AXES = "xyz"
 NEAR = 1e-3
@@ -143,22 +145,15 @@ def behind(layer: Layer, plane: Plane, block_size: float) -> Layer:
 
 
 def _polygons_behind(layer: Layer, height: Floats) -> Layer:
-    start = np.zeros(1, dtype=np.intp) if layer.start is None else layer.start
+    loops = Ragged(np.zeros(1, dtype=np.intp) if layer.start is None else layer.start)
     value = np.zeros(len(layer.position)) if layer.value is None else layer.value
-    told = np.c_[layer.position, value]
-    loops, kept = [], []
-    for i in range(layer.count):
-        part = slice(start[i], start[i + 1])
-        loop, _ = clip_loop(told[part], height[part], np.zeros(len(told[part]), dtype=bool))
-        if len(loop) > 2:
-            loops.append(loop)
-            kept.append(i)
-    all_of = np.concatenate([np.zeros((0, 4)), *loops])
+    part, told = clipped(loops, np.c_[layer.position, value], -height)
+    kept = part.counts > 0
     return replace(
         layer,
-        position=all_of[:, :3],
-        value=None if layer.value is None else all_of[:, 3],
-        start=np.cumsum([0, *(len(one) for one in loops)]).astype(np.intp),
+        position=told[:, :3],
+        value=None if layer.value is None else told[:, 3],
+        start=Ragged.from_counts(part.counts[kept]).start,
         interface=None if layer.interface is None else layer.interface[kept],
         block=None if layer.block is None else layer.block[kept],
     )
