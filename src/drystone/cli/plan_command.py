@@ -169,7 +169,8 @@ def plan(
     ] = (),
     turns: Annotated[
         bool, Option("Each robot or hand holds its block until the next one is in place, and "
-                     "nothing is propped. Tries one order: that of the file, or --order NAMES.",
+                     "nothing is propped. Needs two or more, searches for no order: tries that of "
+                     "the file, or --order NAMES with every free block.",
                      expert=True)
     ] = False,
     best: Annotated[

@@ -116,7 +116,13 @@ class Turns(Answer):
     @property
     def largest(self) -> float:
         """[N], the largest force of a robot."""
-        return max((float(np.linalg.norm(turn.force)) for turn in self.turns), default=0.0)
+        return max((one for one in self._holds if one >= 0.0), default=0.0)
+
+    @property
+    def _holds(self) -> list[float]:
+        """Forces [N] of the robots; not a number where one cannot place its block."""
+        nan, rows = float("nan"), self.turns
+        return [float(np.linalg.norm(one.force)) if self._placed(one) else nan for one in rows]
 
     @cached_property
     def asked(self) -> Question:
@@ -136,11 +142,9 @@ class Turns(Answer):
     @property
     def title(self) -> str:
         """Whether it can be built in turn."""
-        by = f"by {counted(len(self.robots), 'robot')} in turn"
-        return {
-            Role.GOOD: f"Can be assembled without props, {by}",
-            Role.BAD: f"Cannot be assembled {by}",
-        }.get(self._role, f"Not known whether it can be assembled {by}")
+        can = {Role.GOOD: "Can be assembled without props,", Role.BAD: "Cannot be assembled"}
+        told = can.get(self._role, "Not known whether it can be assembled")
+        return f"{told} by {counted(len(self.robots), 'robot')} in turn"
 
     def sentences(self) -> Sequence[Sentence]:
         """Whether it can be built, the largest hold, and what the first failure is."""
@@ -185,7 +189,7 @@ class Turns(Answer):
             "step": [i + 1 for i in range(len(rows))],
             "block": [one.name for one in rows],
             "robot": [one.robot for one in rows],
-            "hold": [float(np.linalg.norm(one.force)) for one in rows],
+            "hold": self._holds,
             "works": [one.works for one in rows],
         }
         return [Table("turns", columns, {"hold": "N"})]
@@ -200,6 +204,7 @@ class Turns(Answer):
             "holds": [
                 {"block": one.name, "robot": one.robot, "force": one.force, "moment": one.moment}
                 for one in self.turns
+                if self._placed(one)
             ],
         }
 

@@ -309,6 +309,9 @@ def test_the_robot_bears_what_balances_the_blocks_before():
     stopped = take_turns(assembly, robots=weak, friction=0.7)
     assert not stopped.works
     assert not stopped.turns[-1].carried
+    # it does not lift the first block, so there is no hold
+    assert np.isnan(stopped.table()["hold"]).all()
+    assert (stopped.largest, stopped.numbers()["holds"]) == (0.0, [])
 
 
 def test_a_robot_bears_no_more_than_weight_where_the_stage_stands_without_it() -> None:
