@@ -1,7 +1,7 @@
 """The verdict: does it stand by contact and friction alone, without prestress?
 
 1. Nothing presses on some of its blocks: UNSTABLE. They fall.
-2. Uniform contact springs hold it, and it does not slide far: STABLE.
+2. Uniform contact springs hold it by friction, and it does not slide far: STABLE.
 3. No contact forces balance the loads: UNSTABLE, with the mechanism.
 4. Else its blocks are followed by finite steps. They rest: STABLE after settling. They fall:
    UNSTABLE. The ends of the joints decide, or nobody knows: UNDECIDED.
@@ -51,7 +51,8 @@ SLIDES_FAR = 20.0
 """Slide by overlap, in the rest state, from which on the blocks are followed. A slide changes the
 friction on its way, and one so long occurs close to a limit. Measured on the published models: 24
 or more where following shows a fall. Domes, vaults, walls and arches near their limits: 8 at most
-if they do not slide as a whole."""
+if they do not slide as a whole. Without friction: 4 or more where following shows a fall, 0.002 at
+most in walls."""
 
 ROUNDS = 3
 """How often light blocks are given what they feel, by the forces found before. Measured: a boulder
@@ -237,13 +238,15 @@ def _free_fall(asked: Asked, words: str) -> Result | None:
 def _doubtful(asked: Asked, rest: Candidate) -> bool:
     """Whether blocks that uniform stiffness holds must be followed.
 
-    The springs with which they are followed do not hold them, or they slide far on those; or
-    hardly anything presses on some blocks at first, nor in the rest state. Of blocks beside
-    supports the rest state does not count.
+    The springs with which they are followed do not hold them, or they slide far on those: without
+    friction even a little, since the forces may be those of a chain stood on its head. Or hardly
+    anything presses on some blocks at first, nor in the rest state. Of blocks beside supports the
+    rest state does not count.
     """
     problem, model = asked.problem, asked.problem.model
     alike = asked.tried[1] if len(asked.tried) > 1 else rest
-    if not alike.stands or problem.slides_by_overlap(alike.displacement, SLIDES_FAR):
+    far = SLIDES_FAR if problem.statics.friction.any() else 1.0 / SLIDES_FAR
+    if not alike.stands or problem.slides_by_overlap(alike.displacement, far):
         return True
     falling = problem.unpressed
     if not falling.any() or beside_supports(model.assembly, model.contacts, falling):
@@ -462,6 +465,8 @@ def _followed(asked: Asked, pool: WorkerPool, uniform: Candidate, spread: Model 
         held = "hardly anything presses on some of its blocks at first"
     elif uniform.stands:
         held = "it slides far where uniform contact stiffness holds it"
+        if not asked.problem.statics.friction.any():
+            held = "forces balance the loads, but without friction nothing brings it back"
         stood, tried = sum(one.stands for one in asked.tried), len(asked.tried)
         if stood < tried:
             held = f"{stood} of {tried} contact stiffnesses tried would hold it in place"

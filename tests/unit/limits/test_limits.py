@@ -110,8 +110,7 @@ def test_a_tilt_without_an_axis_is_the_least_of_four() -> None:
     model = Model.of(arch(thickness_ratio=0.15), friction=0.7)
     least = limit_tilt(model)
     each = {axis: limit_tilt(model, axis).best for axis in ("x", "-x", "y", "-y")}
-    lowest = min(each, key=lambda axis: each[axis].stands or 0.0)
-    assert lowest == "y"
+    assert each["y"].stands == pytest.approx(min(one.stands for one in each.values()), abs=0.05)
     assert least.stands == each["y"].stands
     assert least.title.endswith("degrees about y")
     assert least.end == 180.0
