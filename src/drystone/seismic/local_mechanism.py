@@ -43,7 +43,7 @@ from drystone.seismic.spectrum import (
     Turning,
     weights_that_move,
 )
-from drystone.settlement import push
+from drystone.settlement import LargeDisplacement, push
 from drystone.settlement.large_displacement import MOVES
 
 
@@ -444,7 +444,28 @@ def _found(
     best = limit.best
     if best.stands is None or best.falling is None or best.falling.mechanism is None:
         raise InputError(limit.title, where="direction", remedy="ask drystone limit load seismic")
-    motion = best.falling.mechanism
+    # between what stands and what falls nothing is known, but where the limit was computed
+    begins = best.stands if best.computed is None else best.computed
+    motion, pushed, even = best.falling.mechanism, None, False
+    told = "the mechanism just beyond the largest load at which it stands"
+    if best is limit.equilibrium:
+        told = "the mechanism of the largest load at which forces balance"
+    remarks = [f"joints decide: {one}" for one in limit.remarks]
+    reach, moved, load = float("nan"), np.zeros(0), np.zeros(0)
+    if (model.contacts.plain | model.contacts.ties).all():
+        pushed = push(model, live, **late)
+        moved, load, reach = pushed.displacement, pushed.load, pushed.capacity or reach
+        told += f"; followed: {pushed.message}"
+    else:
+        told += "; not followed: its joints are not dry; a part (--part) has d0*"
+    if moving_joints(model, motion)[1].any():  # a proof opens the joints that slide
+        begun = None if pushed is None else _begun(pushed, begins)
+        if begun is None:
+            even = True
+            remarks.append("joints slide, and how blocks move is not known: e* = 1, the least a0*")
+        else:
+            motion = begun
+            told += "; joints slide: d are those of the blocks as they are followed"
     arms, free = place - assembly.centroid[block], len(assembly.free)
     each = (motion[block, :3] + np.cross(motion[block, 3:], arms)) @ along
     # a load that is shaken keeps a place of its own
@@ -454,24 +475,28 @@ def _found(
     virtual = np.bincount(body, weight * each) / carried
     middle = np.column_stack([np.bincount(body, weight * x) / carried for x in place.T])
     moving = np.abs(virtual) > MOVES * np.abs(virtual).max(initial=0.0)
-    reach, moved, load = float("nan"), np.zeros(0), np.zeros(0)
-    told = "the mechanism just beyond the largest load at which it stands"
-    if best is limit.equilibrium:
-        told = "the mechanism of the largest load at which forces balance"
-    if (model.contacts.plain | model.contacts.ties).all():
-        pushed = push(model, live, **late)
-        moved, load, reach = pushed.displacement, pushed.load, pushed.capacity or reach
-        told += f"; followed: {pushed.message}"
-    else:
-        told += "; not followed: its joints are not dry; a part (--part) has d0*"
-    # between what stands and what falls nothing is known, but where the limit was computed
-    begins = best.stands if best.computed is None else best.computed
+    virtual = np.where(moving & even, 1.0, virtual)
     each_of = (block[body == one] for one in np.flatnonzero(moving))
     names = [named([assembly.names[i] for i in one], 1) for one in each_of]
     masses = weights_that_move(names, carried[moving], middle[moving], virtual[moving])
     found = Oscillator(begins, masses, reach)
-    remarks = tuple(f"joints decide: {one}" for one in limit.remarks)
-    return LocalMechanism(model, motion, found, moved, load, told, site, remarks=remarks)
+    return LocalMechanism(model, motion, found, moved, load, told, site, remarks=tuple(remarks))
+
+
+def _begun(pushed: LargeDisplacement, begins: float) -> Floats | None:
+    """How blocks (n, 6) move from the load factor on at which a mechanism begins.
+
+    By at least a hundredth of their mean size. ``None`` where they were not followed so far.
+    """
+    assembly, begun = pushed.assembly, None
+    least = MOVES * float(assembly.size[assembly.free].mean())
+    for state in pushed.states:
+        if begun is None and state.load >= (1.0 - MOVES) * begins:
+            begun = state.positions
+        moved = None if begun is None else state.positions - begun
+        if moved is not None and block_speed(assembly, moved).max() >= least:
+            return moved
+    return None
 
 
 def _bodies(model: Model, motion: Floats) -> Ints:
