@@ -465,7 +465,7 @@ def _found(
             remarks.append("joints slide, and how blocks move is not known: e* = 1, the least a0*")
         else:
             motion = begun
-            told += "; joints slide: d are those of the blocks as they are followed"
+            told += "; joints slide: d as followed"
     arms, free = place - assembly.centroid[block], len(assembly.free)
     each = (motion[block, :3] + np.cross(motion[block, 3:], arms)) @ along
     # a load that is shaken keeps a place of its own
