@@ -46,6 +46,9 @@ from drystone.seismic.spectrum import (
 from drystone.settlement import LargeDisplacement, push
 from drystone.settlement.large_displacement import MOVES
 
+_CLOSE = 1e-3
+"""How far a line may lie off a part by its size. Chosen: coordinates rounded to millimetres."""
+
 
 @dataclass(frozen=True)
 class _Asked:
@@ -337,16 +340,16 @@ def local_mechanism(
     part
         Blocks that turn as one body, by names and patterns separated by commas.
     line : (6,) [m]
-        Two points of the line about which the part turns; when left out, the line across the
-        direction through the lowest edge of the part on the side to which it falls.
+        Two points of the line about which the part turns, level, under the part; when left out, the
+        line across the direction through the lowest edge of the part on the side to which it falls.
     site
         TOML file with a spectrum and the factors q and FC, such as ``code``, ``ag``, ``soil``.
 
     Raises
     ------
     InputError
-        The part has no free block or a tie without a strength, or the line is vertical or along
-        the direction.
+        The part has no free block or a tie without a strength; the line is vertical, along the
+        direction or not under the part.
 
     Examples
     --------
@@ -377,7 +380,7 @@ def local_mechanism(
         site=told,
     )
     if part:
-        turning, motion = _turning(model, along, part, line)
+        turning, motion, remarks = _turning(model, along, part, line)
         found = turning.oscillator()
         moved, load = turning.curve()
         told = "a rigid part that turns about a line; its joints neither slide, pull nor crush"
@@ -386,7 +389,7 @@ def local_mechanism(
             raise InputError(what, where="part", remedy="leave the strength or the part out")
         return LocalMechanism(
             model, motion, found, moved, load, told, site, asked,
-            remarks=_above_ground(model, turning, site), moments=turning.moments(),
+            remarks=(*remarks, *_above_ground(model, turning, site)), moments=turning.moments(),
         )  # fmt: skip
     if line is not None:
         raise InputError("is for a part", where="line", remedy="name its blocks: --part")
@@ -528,15 +531,18 @@ def _turning(
     along: Floats,
     part: str | Sequence[str],
     line: Sequence[float] | None,
-) -> tuple[Turning, Floats]:
-    """A part that turns about a line, and its virtual motion (n, 6)."""
+) -> tuple[Turning, Floats, list[str]]:
+    """A part that turns about a line, its virtual motion (n, 6), and remarks."""
     assembly = model.assembly
     with located("part"):
         chosen = kept_of(assembly, part)
     chosen = chosen[~assembly.fixed[chosen]]
     if not len(chosen):
         raise InputError("has no free block", where="part", remedy="name blocks that can move")
-    origin, axis = _lowest_edge(assembly, chosen, along) if line is None else _line(line, along)
+    (origin, axis), remarks = _lowest_edge(assembly, chosen, along), list[str]()
+    if line is not None:
+        origin, axis = _line(line, along)
+        remarks += _under(assembly, chosen, origin, axis)
     applied = applied_loads(assembly, model.load.beside_masses)
     mine = np.isin(applied.block, chosen)
     couple = applied.moment[mine].sum(axis=0)
@@ -560,7 +566,7 @@ def _turning(
         origin, axis, along, name, np.vstack(place), np.vstack(force), couple, shaken, masses,
         weight,
     )  # fmt: skip
-    return turning, motion
+    return turning, motion, remarks
 
 
 def _lowest_edge(assembly: Assembly, part: Ints, along: Floats) -> tuple[Floats, Floats]:
@@ -581,7 +587,36 @@ def _line(line: Sequence[float], along: Floats) -> tuple[Floats, Floats]:
     if abs(forward) <= 1e-6 * size:
         what = "is vertical or along the direction: nothing overturns"
         raise InputError(what, where="line", remedy="give a level line across the direction")
+    if abs(axis[2]) > _CLOSE * size:
+        raise InputError("is not level", where="line", remedy="give its two ends the same height")
     return ends[:3], axis / size * np.sign(forward)
+
+
+def _under(assembly: Assembly, part: Ints, origin: Floats, axis: Floats) -> list[str]:
+    """Refuse a line that is not under a part; say where it is behind the lowest edge."""
+    bottom = np.array([assembly.blocks[i].vertices[:, 2].min() for i in part])
+    corners = np.vstack([assembly.blocks[i].vertices for i in part])
+    near = _CLOSE * float(np.linalg.norm(np.ptp(corners, axis=0)))
+    lowest = float(bottom.min())
+    rise = float(origin[2]) - lowest
+    if abs(rise) > near:
+        remedy = f"give z = {lowest:.4g}"
+        above = [assembly.names[i] for i in part[bottom >= origin[2] - near]]
+        if 0 < len(above) < len(part):
+            remedy += f", or name the blocks above it alone: {named(above)} (--part)"
+        side = "above" if rise > 0.0 else "below"
+        told = f"lies {abs(rise):.4g} m {side} the lowest edge of the part"
+        raise InputError(told, where="line", remedy=remedy)
+    ahead = np.cross(axis, UP)
+    feet = (corners[corners[:, 2] <= lowest + near] - origin) @ ahead
+    beside = float(np.clip(0.0, feet.min(), feet.max()))
+    if abs(beside) > near:
+        edge = origin + ahead * feet.max()
+        told = f"lies {abs(beside):.4g} m beside the part's lowest edges"
+        remedy = f"give one through {', '.join(f'{x + 0.0:.4g}' for x in edge)}"
+        raise InputError(told, where="line", remedy=remedy)
+    behind = float(feet.max())
+    return [f"the line lies {behind:.4g} m behind the part's edge"] if behind > near else []
 
 
 def _pulls(model: Model, part: Ints, motion: Floats) -> list[tuple[str, Floats, Floats]]:

@@ -168,6 +168,18 @@ def test_a_corner_turns_about_a_line_across_the_diagonal() -> None:
         assert found.oscillator.multiplier == pytest.approx(math.sqrt(0.5) / 2.0)
 
 
+def test_a_line_within_the_bed_turns_a_part_sooner_and_is_told() -> None:
+    """The wall of 0.5 x 3 m about a line 0.1 m behind its edge: 0.15 / 1.5."""
+    found = local_mechanism(courses(6), part="wall-*", line=(0.4, 0, 0, 0.4, 1, 0))
+    assert found.oscillator.multiplier == pytest.approx(0.1)
+    assert "the line lies 0.1 m behind the part's edge" in found.remarks
+
+
+def test_a_line_above_the_foot_of_a_part_names_the_blocks_that_are_above_it() -> None:
+    with pytest.raises(InputError, match=r"above it alone: wall-4, wall-5 \(--part\)"):
+        local_mechanism(courses(6), part="wall-*", line=(0.5, 0, 2, 0.5, 1, 2))
+
+
 def test_spectra_are_those_of_the_codes() -> None:
     ec8 = Spectrum.ec8(0.25 * G, "C")
     assert ec8.acceleration(0.0) == pytest.approx(0.25 * G * 1.15)
@@ -314,6 +326,12 @@ def test_a_tie_that_goes_slack_and_one_within_the_part_hold_nothing() -> None:
         ({"part": "walls"}, "part"),
         ({"part": "wall-0", "line": (0, 0, 0, 1, 0, 0)}, "nothing overturns"),
         ({"part": "wall-0", "line": (0, 0, 0)}, "has 3 numbers"),
+        ({"part": "wall-0", "line": (0, 0, 0, 0, 1, 0.5)}, "is not level"),
+        ({"part": "wall-0", "line": (0.5, 0, 0.2, 0.5, 1, 0.2)}, "0.2 m above .*; give z = 0$"),
+        ({"part": "wall-0", "line": (0.5, 0, 0.5, 0.5, 1, 0.5)}, "0.5 m above"),
+        ({"part": "wall-0", "line": (0.5, 0, -0.1, 0.5, 1, -0.1)}, "0.1 m below"),
+        ({"part": "wall-0", "line": (0.6, 0, 0, 0.6, 1, 0)}, "beside .*; give one through 0.5, "),
+        ({"part": "wall-0", "line": (-0.1, 0, 0, -0.1, 1, 0)}, "0.1 m beside"),
         ({"part": "wall-0", "tie": "wall-0:base@-3,0,1:15"}, "not a number with a unit"),
         ({"part": "wall-0", "tie": "wall-0:base@-3,0,1"}, "the tie of 'wall-0' has no strength"),
         ({"line": (0, 0, 0, 0, 1, 0)}, "is for a part"),
