@@ -202,11 +202,12 @@ class _Balance(Equation[Increment, tuple[Floats, float]]):
         bodies = blocks.bodies
         self.springs, self.gap, self.before = bodies.springs, blocks.placed.gap, -blocks.friction
         self.weight = blocks.drag * blocks.mass
-        turn, self.grown, self.along = blocks.pose.turn[bodies.free], None, None
+        turn = blocks.pose.turn[bodies.free]
         self.load = turned_load(bodies.load, bodies.arms, turn)
+        self.size, self.grown = 1.0, None
         if blocks.grown is not None:
             self.grown = turned_load(*blocks.grown, turn)
-            self.along = self.grown / np.linalg.norm(blocks.grown[0])
+            self.size = float(np.linalg.norm(blocks.grown[0]))
         self.shift: Floats | None = None
         if moving is not None:
             self.shift = blocks.imposed(moving)
@@ -244,8 +245,9 @@ class _Balance(Equation[Increment, tuple[Floats, float]]):
         if self.grown is None:
             return step, 0.0
         grows = self.solve(self.grown)
-        missing = self.distance - float((self.along * (point.motion + step)).sum())
-        change = missing / float((self.along * grows).sum())
+        along = self.grown / self.size
+        missing = self.distance - float((along * (point.motion + step)).sum())
+        change = missing / float((along * grows).sum())
         return step + change * grows, change
 
     def after(self, point: Increment, step: tuple[Floats, float], length: float) -> Increment:
