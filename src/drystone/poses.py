@@ -15,8 +15,6 @@ from functools import cached_property
 from typing import Any, Unpack
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
@@ -26,6 +24,7 @@ from drystone.assembly import Assembly, Block
 from drystone.assembly.block import require_sound
 from drystone.base.arrays import ROUNDING, Bools, Floats, Ints, dot, frozen, unit
 from drystone.base.errors import InputError, counted
+from drystone.base.ragged import linked
 from drystone.base.settings import checked_call
 from drystone.base.table import Table
 from drystone.geometry.solid import solid_angles
@@ -227,11 +226,8 @@ class _Facets:
         near = hull.neighbors.astype(np.intp)
         row = np.repeat(np.arange(len(near)), 3)
         same = dot(normal[row], normal[near.ravel()]) > 1.0 - ROUNDING
-        joined = coo_array(
-            (np.ones(int(same.sum())), (row[same], near.ravel()[same])), shape=(len(near),) * 2
-        )
-        count, found = connected_components(joined, directed=False)
-        group = found.astype(np.intp)
+        group = linked(row[same], near.ravel()[same], len(near))
+        count = int(group.max()) + 1
         corner = point[hull.simplices]
         double = np.linalg.norm(
             np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]), axis=1

@@ -26,9 +26,9 @@ from drystone.geometry.convex_pieces import solid_of
 from drystone.geometry.frames import frames_from_normals, rotation_about
 from drystone.geometry.glue import cut_cell
 from drystone.geometry.polygon import area_vector
-from drystone.geometry.solid import crossings
-from drystone.geometry.triangulate import triangulate
+from drystone.geometry.polyhedron import prism_faces
 from drystone.model import Model
+from drystone.sequence.scaffold_seats import first_met, surface_triangles
 from drystone.ties import PLATE
 
 _LEANS = (0.0, 15.0, -15.0, 30.0, -30.0, 45.0, -45.0)
@@ -61,46 +61,19 @@ def struts(model: Model, block: int, motion: Floats) -> list[tuple[float, int, B
 def _all(model: Model, block: int, motion: Floats) -> Iterator[tuple[float, int, Block]]:
     limit = _WITHIN * np.arctan(usual_friction(model))
     body = model.assembly.blocks[block]
-    triangles, owner = _triangles(model)
+    surface = surface_triangles(model.assembly)
     for seat, lean in product(seats(model, block, motion), _LEANS):
         if abs(np.deg2rad(lean)) > limit:
             continue
         frame = frames_from_normals(-np.asarray(seat.normal)[None])[0]
         point, along = seat.outline.mean(axis=0), rotation_about(frame[1], lean) @ frame[0]
-        hit = _first_hit(triangles, owner, block, point, along, _LONGEST * body.size)
-        if hit is None:
-            continue
-        on, length, normal = hit
-        if -normal @ along >= np.cos(limit):
-            strut = _fitted(model, block, point, along, length, -seat.normal, normal)
+        reach = _LONGEST * body.size
+        met = first_met(surface, block, point, point + reach * along)
+        length = 0.0 if met is None else float((met.point - point) @ along)
+        if met is not None and length >= 1e-3 * reach and -met.normal @ along >= np.cos(limit):
+            strut = _fitted(model, block, point, along, length, -seat.normal, met.normal)
             if strut is not None:
-                yield length, on, strut
-
-
-def _triangles(model: Model) -> tuple[Floats, Ints]:
-    """All faces as triangles (t, 3, 3), and the block of each (t,)."""
-    faces = model.assembly.faces
-    triangle, face = triangulate(faces.point[faces.loop], faces.start)
-    return faces.point[faces.loop][triangle], faces.owner[face]
-
-
-def _first_hit(
-    triangles: Floats, owner: Ints, block: int, point: Floats, along: Floats, reach: float
-) -> tuple[int, float, Floats] | None:
-    """The first block that a ray hits, its distance, and the normal of its face there."""
-    others = owner != block
-    shape = (int(others.sum()), 3)
-    start, end = np.broadcast_to(point, shape), np.broadcast_to(point + reach * along, shape)
-    hit, share = crossings(start, end, triangles[others])
-    if not hit.any():
-        return None
-    first = int(np.argmin(np.where(hit, share, np.inf)))
-    corner = triangles[others][first]
-    normal = np.cross(corner[1] - corner[0], corner[2] - corner[0])
-    size = float(np.linalg.norm(normal))
-    if size == 0.0 or share[first] * reach < 1e-3 * reach:
-        return None
-    return int(owner[others][first]), float(share[first]) * reach, normal / size
+                yield length, met.block, strut
 
 
 def _fitted(
@@ -135,9 +108,7 @@ def _fitted(
     base = np.array(
         [p + (a - p @ across) * across + b * other for p in (start, end) for a, b in ring]
     )
-    here = range(4)
-    sides: list[tuple[int, ...]] = [(i, (i + 1) % 4, (i + 1) % 4 + 4, i + 4) for i in here]
-    faces: list[tuple[int, ...]] = [(3, 2, 1, 0), (4, 5, 6, 7), *sides]
+    faces = prism_faces(4)
     if np.linalg.det(np.array([across, other, along])) < 0.0:
         faces = [face[::-1] for face in faces]
     far = point + length * along
@@ -301,9 +272,7 @@ def propped(model: Model, seat: PropSeat) -> Model:
     """The model with a fixed prop against a block; the joint between them is the last one."""
     patch, count = np.asarray(seat.outline), len(seat.outline)
     foot = patch - PLATE * model.assembly.size[seat.block] * np.asarray(seat.normal)
-    here = range(count)
-    sides = [(i, (i + 1) % count, (i + 1) % count + count, i + count) for i in here]
-    faces = (tuple(i + count for i in here), tuple(reversed(here)), *sides)
+    faces = tuple(prism_faces(count))
     prop = Block(np.concatenate([foot, patch]), faces, fresh_name(model, "prop"))
     area = area_vector(patch)
     contacts = Contacts(

@@ -7,10 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 from scipy import sparse
-from scipy.sparse.csgraph import connected_components
 
 from drystone.base.arrays import Bools, Floats, Ints
 from drystone.base.progress import Stop
+from drystone.base.ragged import linked
 from drystone.design.margin import LARGE_REGION, QUICK
 from drystone.formulations.corner_forces import (
     FrictionCone,
@@ -49,8 +49,7 @@ def regions_of(model: Model, needy: Sequence[int]) -> list[tuple[int, ...]]:
     chosen[list(needy)] = True
     a, b = model.contacts.block_a, model.contacts.block_b
     both = chosen[a] & chosen[b]
-    links = sparse.coo_matrix((np.ones(both.sum()), (a[both], b[both])), shape=(len(model),) * 2)
-    _, part = connected_components(links, directed=False)
+    part = linked(a[both], b[both], len(model))
     members = np.flatnonzero(chosen)
     groups = [tuple(members[part[members] == p].tolist()) for p in np.unique(part[members])]
     mass = model.assembly.mass

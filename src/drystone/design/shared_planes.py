@@ -21,11 +21,11 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 from scipy import sparse
-from scipy.sparse.csgraph import connected_components
 
 from drystone.base.arrays import ROUNDING, SAME, Bools, Floats, Ints, cross, dot, number
 from drystone.base.display import OneLine, named
 from drystone.base.errors import InputError
+from drystone.base.ragged import linked
 from drystone.design.corner_following import NEAR
 from drystone.design.mends import kept_blocks
 from drystone.design.vertex_places import (
@@ -260,10 +260,7 @@ def _plane_sets(model: Model, bodies: BlockVertices) -> Iterator[Ints]:
         ]
         links += [(touching[0], j) for j in touching[1:]]
     pair = np.array(links, dtype=np.intp).reshape(-1, 2)
-    graph = sparse.coo_matrix(
-        (np.ones(len(pair)), (pair[:, 0], pair[:, 1])), shape=(len(loops),) * 2
-    )
-    label = connected_components(graph, directed=False)[1]
+    label = linked(pair[:, 0], pair[:, 1], len(loops))
     for one in np.unique(label[pair]):
         yield np.unique(np.concatenate([loops[j] for j in np.flatnonzero(label == one)]))
 

@@ -10,13 +10,12 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy import sparse
-from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from drystone.assembly import Assembly, Block, replace_block
 from drystone.base.arrays import SAME, Bools, Floats, Ints, cross, dot
 from drystone.base.errors import InputError
-from drystone.base.ragged import Ragged
+from drystone.base.ragged import Ragged, linked
 from drystone.geometry.polygon import area_vector
 from drystone.geometry.polyhedron import edges_of
 from drystone.geometry.selfcontact import self_contacts
@@ -160,10 +159,7 @@ def flattened(vertex: Floats, along: str | None) -> Floats:
 def places_of(point: Floats, near: float) -> Ints:
     """A number (v,) for each place: points that are nearer than this have the same."""
     pairs = cKDTree(point).query_pairs(near, output_type="ndarray")
-    links = sparse.coo_matrix(
-        (np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(point),) * 2
-    )
-    return np.asarray(connected_components(links, directed=False)[1], dtype=np.intp)
+    return linked(pairs[:, 0], pairs[:, 1], len(point))
 
 
 def require_prisms(model: Model, along: str, kept: Bools) -> None:

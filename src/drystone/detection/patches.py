@@ -13,7 +13,7 @@ import numpy as np
 from drystone.assembly import Assembly
 from drystone.base.arrays import ROUNDING, Bools, Floats, Ints, cross, dot
 from drystone.base.errors import InputError
-from drystone.base.ragged import Ragged, sum_by_owner
+from drystone.base.ragged import Ragged, linked, sum_by_owner
 from drystone.detection.coplanar import coplanar_groups, rings_of, unit_rows, without_straight
 from drystone.geometry.halfedge import NOISE, SMOOTH, HalfEdges, half_edges, turn_angles
 from drystone.geometry.polygon import area_vectors
@@ -89,14 +89,9 @@ def _turn_to_corners(
 
     The mean of the facets at the corner is weighted by area.
     """
-    from scipy.sparse import coo_array  # slow to import, and few models need it
-    from scipy.sparse.csgraph import connected_components
-
     joins = np.flatnonzero(smooth)
     beside = edges.after[edges.twin[joins]]  # the same corner, in the face across the edge
-    count = len(edges.face)
-    graph = coo_array((np.ones(len(joins)), (joins, beside)), shape=(count, count))
-    fan = connected_components(graph, directed=False)[1].astype(np.intp)
+    fan = linked(joins, beside, len(edges.face))
     vector = faces.area_vectors[edges.face]
     mean = sum_by_owner(vector, fan, int(fan.max()) + 1)[fan]
     sine = np.linalg.norm(np.cross(vector, mean), axis=1)

@@ -213,6 +213,19 @@ def box_corners(low: Floats, high: Floats) -> Floats:
     return np.where(np.concatenate([upper, upper | (False, False, True)]), high, low)
 
 
+def prism_faces(count: int) -> list[Loop]:
+    """Faces of a prism: its bottom, vertices 0 on counter-clockwise from above, its top, its sides.
+
+    Examples
+    --------
+    >>> prism_faces(3)
+    [(2, 1, 0), (3, 4, 5), (0, 1, 4, 3), (1, 2, 5, 4), (2, 0, 3, 5)]
+    """
+    here = range(count)
+    bottom, top = tuple(reversed(here)), tuple(i + count for i in here)
+    return [bottom, top, *((i, j, j + count, i + count) for i, j in loop_edges(here))]
+
+
 def used_vertices(faces: Iterable[Sequence[int]]) -> tuple[list[int], list[Loop]]:
     """The vertices that faces have, ascending, and the faces with the numbers of these.
 

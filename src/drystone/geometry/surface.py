@@ -7,9 +7,12 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
+import numpy as np
+
 from drystone.base.arrays import Floats
 from drystone.base.display import named
 from drystone.base.errors import DefectKind, InputError, counted
+from drystone.base.ragged import linked
 from drystone.geometry.polyhedron import Edge, Fan, Loop, loop_edges, used_vertices
 
 SHARED_FACES = 64
@@ -236,23 +239,11 @@ def open_faces(faces: Sequence[Loop]) -> list[int]:
 
 def face_components(faces: Sequence[Loop]) -> list[list[int]]:
     """Faces grouped into parts connected through shared vertices."""
-    parent: dict[int, int] = {}
-
-    def root(i: int) -> int:
-        while parent[i] != i:
-            parent[i] = parent[parent[i]]
-            i = parent[i]
-        return i
-
-    for loop in faces:
-        for v in loop:
-            parent.setdefault(v, v)
-        first = root(loop[0])
-        for v in loop[1:]:
-            parent[root(v)] = first
+    ends = np.array([(loop[0], v) for loop in faces for v in loop], dtype=np.intp).reshape(-1, 2)
+    part = linked(*ends.T, int(ends.max(initial=-1)) + 1)
     groups: dict[int, list[int]] = defaultdict(list)
     for f, loop in enumerate(faces):
-        groups[root(loop[0])].append(f)
+        groups[int(part[loop[0]])].append(f)
     return list(groups.values())
 
 

@@ -22,7 +22,7 @@ from drystone.base.arrays import FARTHEST, ROUNDING, SAME, Floats
 from drystone.base.errors import FormatError, InputError, counted
 from drystone.base.units import scale_of
 from drystone.geometry.polygon import area_vector
-from drystone.geometry.polyhedron import Loop
+from drystone.geometry.polyhedron import Loop, prism_faces
 from drystone.io.draft import Draft, DraftBlock, hidden_notes, holds, require_blocks
 from drystone.io.dxf_entities import Drawing, Entity, drawing
 from drystone.io.face_soup import FaceSoup, moved, named_apart, shapes_of
@@ -359,9 +359,5 @@ def _prism(outline: _Outline, corner: Floats, depth: Floats) -> DraftBlock:
         return DraftBlock(outline.layer, corner, (), outline.where, metadata=told, defect=error)
     if depth @ area_vector(corner) < 0.0:
         corner = corner[::-1]
-    ring = np.arange(len(corner))
-    after = np.roll(ring, -1)
-    side = np.stack([ring, after, after + len(ring), ring + len(ring)], axis=1)
-    faces = [ring[::-1].tolist(), (ring + len(ring)).tolist(), *side.tolist()]
-    points = np.concatenate([corner, corner + depth])
+    points, faces = np.concatenate([corner, corner + depth]), prism_faces(len(corner))
     return DraftBlock(outline.layer, points, faces, outline.where, metadata=told)

@@ -21,7 +21,14 @@ from drystone.base.errors import FormatError, InputError, counted
 from drystone.base.files import read_bytes
 from drystone.base.units import scale_of
 from drystone.geometry.convex_pieces import hull_of, mesh_of, solid_of
-from drystone.geometry.polyhedron import BOX, Loop, box_corners, mass_properties, stack_faces
+from drystone.geometry.polyhedron import (
+    BOX,
+    Loop,
+    box_corners,
+    mass_properties,
+    prism_faces,
+    stack_faces,
+)
 from drystone.geometry.surface import edge_defects
 from drystone.io.draft import DraftBlock
 from drystone.io.face_soup import FaceSoup, moved, named_apart, shape_of, shapes_of
@@ -177,8 +184,7 @@ def cylinder_part(radius: float, half: float) -> Part:
     angle = 2.0 * np.pi * np.arange(_ROUND) / _ROUND
     ring = radius * np.c_[np.cos(angle), np.sin(angle)]
     point = np.concatenate([np.c_[ring, np.full(_ROUND, z)] for z in (-half, half)])
-    side = [(i, (i + 1) % _ROUND, (i + 1) % _ROUND + _ROUND, i + _ROUND) for i in range(_ROUND)]
-    return point, [tuple(range(_ROUND))[::-1], tuple(range(_ROUND, 2 * _ROUND)), *side]
+    return point, prism_faces(_ROUND)
 
 
 def hull_part(point: Floats, where: str) -> Part:

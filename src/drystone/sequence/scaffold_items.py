@@ -27,6 +27,7 @@ from drystone.base.settings import Options
 from drystone.contacts import Contacts, joined_contacts
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.polygon import area_vector
+from drystone.geometry.polyhedron import BOX
 from drystone.geometry.solid import distance
 from drystone.joint_capacity import NO_LIMIT, JointCapacity
 from drystone.model import Model
@@ -347,8 +348,7 @@ def _bar(one: Floats, other: Floats, width: float, name: str) -> Block:
     frame = frames_from_normals((axis / np.linalg.norm(axis))[None])[0]
     flat = 0.5 * width * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]], dtype=np.float64)
     ring = flat @ frame[1:]
-    faces = ((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7))
-    return Block(np.concatenate([one + ring, other + ring]), faces, name)
+    return Block(np.concatenate([one + ring, other + ring]), BOX, name)
 
 
 def _interfaces(pairs: Sequence[tuple[int, int]], joints: Sequence[_Joint]) -> Contacts:
