@@ -17,8 +17,7 @@ from drystone.cli.waiting import Waiting
 
 if TYPE_CHECKING:
     from drystone.assembly import Assembly, Block
-    from drystone.base.files import Job
-    from drystone.cli.told import Files
+    from drystone.cli.told import Files, Jobs
     from drystone.design import Diagnosis, MendOptions, Mends
     from drystone.design.shape_values import ShapeVariables
     from drystone.model import Model
@@ -302,18 +301,11 @@ def _chosen(assembly: Assembly, name: str | None) -> Block:
 
 def _files(model: Model | None, plan: Plan | None, out: Path | None, html: Path | None) -> Files:
     """The blocks and the page of their plan; and a remark on those that are not there."""
-    jobs: list[Job] = []
-    left = []
-    if out is not None and model is not None:
-        from drystone import io
+    from drystone import io
+    from drystone.view import save_page
 
-        jobs.append((out, partial(io.write, model)))
-    elif out is not None:
-        left.append(str(out))
-    if html is not None and plan is not None and plan.steps:
-        from drystone.view import save_page
-
-        jobs.append((html, partial(save_page, plan)))
-    elif html is not None:
-        left.append(str(html))
+    drawn = plan if plan is not None and plan.steps else None
+    files: list[tuple[Path | None, Any, Any]] = [(out, model, io.write), (html, drawn, save_page)]
+    left = [str(path) for path, what, _ in files if path is not None and what is None]
+    jobs: Jobs = [(path, partial(write, what)) for path, what, write in files if what is not None]
     return jobs, [f"not written: {', '.join(left)}"] if left else []

@@ -11,7 +11,7 @@ from drystone.cli import kinds, options
 from drystone.cli.check_command import solve
 from drystone.cli.command import command
 from drystone.cli.model_input import Subject
-from drystone.cli.offered import LOADS, OUTPUT, Analysis, Of, Option
+from drystone.cli.offered import LOADS, Analysis, Of, Option, writes
 from drystone.cli.told import Pictures, Told, Written, apart
 from drystone.cli.waiting import Waiting
 
@@ -130,7 +130,7 @@ def fall(
     section: options.Section = None,
     glb: Annotated[
         Path | None,
-        Option("Write the film as an animated GLB.", OUTPUT, kind=kinds.target(".glb")),
+        writes("Write the film as an animated GLB.", ".glb"),
     ] = None,
     waiting: Waiting,
 ) -> Told:
@@ -159,6 +159,4 @@ def fall(
 
 def _film_files(film: Film, pictures: Pictures, glb: Path | None) -> Files:
     jobs, said = pictures.of(film)
-    if glb is not None:
-        jobs.append((glb, film.save_glb))
-    return jobs, said
+    return [*jobs, (glb, film.save_glb)], said

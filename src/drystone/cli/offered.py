@@ -49,6 +49,11 @@ class Option:
     expert: bool = False
 
 
+def writes(help: str, *suffixes: str, flags: tuple[str, ...] = (), expert: bool = False) -> Option:
+    """The option of a file that is written, with one of these suffixes."""
+    return Option(help, OUTPUT, flags, kinds.target(*suffixes), expert=expert)
+
+
 @dataclass(frozen=True)
 class Experts:
     """Marks a dataclass of options whose options are shown by ``--help-all`` only, but for some."""

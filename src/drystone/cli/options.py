@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Annotated, TypeAlias
 
 from drystone.cli import kinds
-from drystone.cli.offered import MODEL, OUTPUT, WORKERS, Option
+from drystone.cli.offered import MODEL, OUTPUT, WORKERS, Option, writes
 
 Friction: TypeAlias = Annotated[
     float | None,
@@ -20,15 +20,13 @@ Friction: TypeAlias = Annotated[
 
 Html: TypeAlias = Annotated[
     Path | None,
-    Option("Write a page that shows the answer in a browser.", OUTPUT,
-           kind=kinds.target(".html", ".htm")),
-]  # fmt: skip
+    writes("Write a page that shows the answer in a browser.", ".html", ".htm"),
+]
 
 Png: TypeAlias = Annotated[
     Path | None,
-    Option("Write a figure, .png, .svg or .pdf.", OUTPUT,
-           kind=kinds.target(".png", ".svg", ".pdf")),
-]  # fmt: skip
+    writes("Write a figure, .png, .svg or .pdf.", ".png", ".svg", ".pdf"),
+]
 
 Section: TypeAlias = Annotated[
     str | None,
@@ -41,21 +39,16 @@ Section: TypeAlias = Annotated[
     ),
 ]
 
-_CAD = Option(
-    "Write the answer for CAD programs, .3dm or .glb.", OUTPUT, kind=kinds.target(".3dm", ".glb")
-)
+_CAD = writes("Write the answer for CAD programs, .3dm or .glb.", ".3dm", ".glb")
 Cad: TypeAlias = Annotated[Path | None, _CAD]
 RareCad: TypeAlias = Annotated[Path | None, replace(_CAD, expert=True)]
 
 Csv: TypeAlias = Annotated[
     Path | None,
-    Option("Write the table of the answer, .csv.", OUTPUT, kind=kinds.target(".csv"), expert=True),
+    writes("Write the table of the answer, .csv.", ".csv", expert=True),
 ]
 
-_REPORT = Option(
-    "Write a calculation report on the answer, .pdf or .html.", OUTPUT,
-    kind=kinds.target(".pdf", ".html"),
-)  # fmt: skip
+_REPORT = writes("Write a calculation report on the answer, .pdf or .html.", ".pdf", ".html")
 Report: TypeAlias = Annotated[Path | None, _REPORT]
 RareReport: TypeAlias = Annotated[Path | None, replace(_REPORT, expert=True)]
 

@@ -10,17 +10,16 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from drystone.base import units
 from drystone.base.errors import InputError
-from drystone.base.files import Job
 from drystone.cli import kinds, options
 from drystone.cli.command import command
 from drystone.cli.model_input import Subject
-from drystone.cli.offered import OUTPUT, Of, Option
+from drystone.cli.offered import OUTPUT, Of, Option, writes
 from drystone.cli.scaffold_command import SCAFFOLD_LIMITS, refuse_unused
 from drystone.cli.told import Told, WithFilm
 from drystone.cli.waiting import Waiting, executor_of
 
 if TYPE_CHECKING:
-    from drystone.cli.told import Files
+    from drystone.cli.told import Files, Jobs
     from drystone.model import Model
     from drystone.sequence import Margins, Plan, PlanOptions, Robot, Scaffolding, Turns
 
@@ -32,8 +31,10 @@ class PlanFiles(WithFilm):
     cad: options.Cad = None
     work: Annotated[
         Path | None,
-        Option("Write the placements for robots: paths, grips and holds, .json or .csv.", OUTPUT,
-               kind=kinds.target(".json", ".csv"), expert=True),
+        writes(
+            "Write the placements for robots: paths, grips and holds, .json or .csv.",
+            ".json", ".csv", expert=True,
+        ),
     ] = None  # fmt: skip
     stages: Annotated[
         Path | None,
@@ -42,11 +43,13 @@ class PlanFiles(WithFilm):
     ] = None  # fmt: skip
     instructions: Annotated[
         Path | None,
-        Option("Write numbered instructions for printing, .html.", OUTPUT, ("--print",),
-               kinds.target(".html", ".htm"), expert=True),
+        writes(
+            "Write numbered instructions for printing, .html.",
+            ".html", ".htm", flags=("--print",), expert=True,
+        ),
     ] = None  # fmt: skip
 
-    def models(self, stage: Callable[[int], Model], count: int) -> list[Job]:
+    def models(self, stage: Callable[[int], Model], count: int) -> Jobs:
         """The files of the stages, where they are asked for."""
         from drystone import io
 

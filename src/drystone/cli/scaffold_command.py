@@ -118,12 +118,11 @@ def scaffold(
     told = [Sentence(verdict, Role.BAD if first is None else Role.GOOD)]
     told.extend(_failing(table, first, chosen.scaffold_options.limit))
     compared = Table("compared", dict(table.columns), dict(table.units))
-    jobs = [(csv, table.to_csv)] if csv is not None else []
     return Told(
         Statement(tuple(told), (compared,)),
         subject=subject.name,
         notes=model.notes,
-        files=lambda: (list(jobs), []),
+        files=lambda: ([(csv, table.to_csv)], []),
     )
 
 

@@ -15,7 +15,7 @@ from drystone.base.files import write_bytes
 from drystone.cli import kinds, output
 from drystone.cli.command import command
 from drystone.cli.model_input import HOW
-from drystone.cli.offered import OUTPUT, Analysis, Argument, Of, Option
+from drystone.cli.offered import OUTPUT, Analysis, Argument, Of, Option, writes
 from drystone.cli.waiting import Waiting
 
 if TYPE_CHECKING:
@@ -36,11 +36,7 @@ def live(
     no_browser: Annotated[bool, Option("Print the link and open no browser.", OUTPUT)] = False,
     client: Annotated[
         Path | None,
-        Option(
-            "Write the client of the JSON interface (one Python file), and exit.",
-            OUTPUT,
-            kind=kinds.target(".py"),
-        ),
+        writes("Write the client of the JSON interface (one Python file), and exit.", ".py"),
     ] = None,
     waiting: Waiting,
 ) -> None:

@@ -13,7 +13,7 @@ from drystone.cli import families, kinds, options
 from drystone.cli.check_command import safe, solve
 from drystone.cli.command import command
 from drystone.cli.model_input import HOW
-from drystone.cli.offered import OUTPUT, Analysis, Argument, Experts, Of, Option
+from drystone.cli.offered import OUTPUT, Analysis, Argument, Experts, Of, Option, writes
 from drystone.cli.shell_pattern import (
     ShellPattern,
     find_buildable,
@@ -28,8 +28,7 @@ from drystone.cli.waiting import Waiting
 
 if TYPE_CHECKING:
     from drystone.assembly import Assembly
-    from drystone.base.files import Job
-    from drystone.cli.told import Files
+    from drystone.cli.told import Files, Jobs
     from drystone.design import Tuned
     from drystone.shells import Shell
 
@@ -62,12 +61,11 @@ def shell(
     ] = None,
     schedule: Annotated[
         Path | None,
-        Option("Write the schedule: .csv.", OUTPUT, kind=kinds.target(".csv"), expert=True),
+        writes("Write the schedule: .csv.", ".csv", expert=True),
     ] = None,
     unrolled: Annotated[
         Path | None,
-        Option("Write the flattened joint faces: .svg or .dxf.", OUTPUT,
-               kind=kinds.target(".svg", ".dxf"), expert=True),
+        writes("Write the flattened joint faces: .svg or .dxf.", ".svg", ".dxf", expert=True),
     ] = None,
     block_files: Annotated[
         Path | None,
@@ -165,18 +163,16 @@ def _search(
 
 
 def _files(
-    made: Shell, out: Path | None, schedule: Path | None, unrolled: Path | None, pictures: list[Job]
+    made: Shell, out: Path | None, schedule: Path | None, unrolled: Path | None, pictures: Jobs
 ) -> Files:
     from drystone import io, shells
 
-    jobs: list[Job] = []
-    if out is not None:
-        jobs.append((out, partial(io.write, made.assembly)))
-    if schedule is not None:
-        jobs.append((schedule, shells.schedule(made).to_csv))
-    if unrolled is not None:
-        jobs.append((unrolled, partial(shells.write_unrolled, made)))
-    return [*jobs, *pictures], []
+    return [
+        (out, partial(io.write, made.assembly)),
+        (schedule, lambda path: shells.schedule(made).to_csv(path)),
+        (unrolled, partial(shells.write_unrolled, made)),
+        *pictures,
+    ], []
 
 
 SEARCHED = {

@@ -11,14 +11,13 @@ from drystone.base.errors import InputError, counted
 from drystone.cli import families, kinds, options
 from drystone.cli.command import command
 from drystone.cli.model_input import Subject
-from drystone.cli.offered import OUTPUT, Argument, Of, Option
+from drystone.cli.offered import OUTPUT, Argument, Of, Option, writes
 from drystone.cli.told import Files, Told
 from drystone.cli.waiting import Waiting
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
-    from drystone.base.files import Job
     from drystone.report import TitleBlock
 
 
@@ -43,20 +42,14 @@ def study(
     ] = None,
     out: Annotated[
         Path | None,
-        Option(
-            "Keep each row in a file, with which work that was ended goes on.",
-            OUTPUT,
-            kind=kinds.target(".jsonl"),
-        ),
+        writes("Keep each row in a file, with which work that was ended goes on.", ".jsonl"),
     ] = None,
     csv: options.Csv = None,
     png: options.Png = None,
     map: Annotated[
         Path | None,
-        Option(
-            "Draw the first two parameters as a map, .png, .svg or .pdf.",
-            OUTPUT,
-            kind=kinds.target(".png", ".svg", ".pdf"),
+        writes(
+            "Draw the first two parameters as a map, .png, .svg or .pdf.", ".png", ".svg", ".pdf"
         ),
     ] = None,
     html: options.Html = None,
@@ -89,15 +82,13 @@ def study(
     refused = int((found["verdict"] == "refused").sum())
 
     def files() -> Files:
-        jobs: list[Job] = [] if csv is None else [(csv, found.to_csv)]
         varied, title = _varied(parameters), _titled(subject, build, parameters)
-        if png is not None:
-            jobs.append((png, partial(save_chart, study_chart(found, *varied), title=title)))
-        if map is not None:
-            jobs.append((map, partial(save_chart, study_map(found, *varied), title=title)))
-        if html is not None:
-            jobs.append((html, partial(save_study, found)))
-        return jobs, []
+        return [
+            (csv, found.to_csv),
+            (png, lambda path: save_chart(study_chart(found, *varied), path, title=title)),
+            (map, lambda path: save_chart(study_map(found, *varied), path, title=title)),
+            (html, partial(save_study, found)),
+        ], []
 
     text = f"{counted(len(found), 'row')}, {refused} refused, {study_fixed(found)}"
     text = text.removesuffix(", ")
@@ -182,9 +173,7 @@ def _range(text: str) -> list[str]:
 def report(
     *,
     subject: Subject,
-    out: Annotated[
-        Path, Option("Write the report, .pdf or .html.", OUTPUT, kind=kinds.target(".pdf", ".html"))
-    ],
+    out: Annotated[Path, writes("Write the report, .pdf or .html.", ".pdf", ".html")],
     limit: Annotated[
         tuple[str, ...],
         Option(
@@ -224,8 +213,9 @@ def report(
             model, limits=asked, sensitivity="none" not in limit, cases=cases, **common
         )
     first, *others = answers
-    jobs: list[Job] = [(out, partial(reports.write_report, answers, about=about))]
+    write = partial(reports.write_report, answers, about=about)
     return Told(
         first, {f"answer_{i}": one for i, one in enumerate(others, 2)},
-        exit_code=max(one.code for one in answers), notes=model.notes, files=lambda: (jobs, []),
+        exit_code=max(one.code for one in answers), notes=model.notes,
+        files=lambda: ([(out, write)], []),
     )  # fmt: skip

@@ -13,9 +13,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 from drystone.base.errors import DrystoneError, FormatError, InputError, require
-from drystone.base.files import Job, same_place, write_text, write_together
+from drystone.base.files import same_place, write_text, write_together
 from drystone.cli import kinds, options, output
-from drystone.cli.offered import OUTPUT, Option
+from drystone.cli.offered import OUTPUT, Option, writes
 from drystone.cli.output import LISTED, Screen, grouped
 from drystone.cli.waiting import NOTHING, Waiting
 
@@ -29,8 +29,9 @@ if TYPE_CHECKING:
     from drystone.results import Result
 
 
-Files: TypeAlias = tuple[list[Job], list[str]]
-"""Files to be written all together, and remarks on them."""
+Jobs: TypeAlias = list[tuple[Path | None, Callable[[Path], object]]]
+Files: TypeAlias = tuple[Jobs, list[str]]
+"""Files to be written all together but for those without a path, and remarks on them."""
 
 STYLE = {
     "good": "bold green",
@@ -146,7 +147,8 @@ def finish(answer: Told, waiting: Waiting, as_json: bool) -> Callable[[], int]:
         waiting.stage("write", "writing")
         try:
             jobs, said = answer.files()
-            files += write_together(jobs, into=answer.into)
+            asked = [(path, write) for path, write in jobs if path is not None]
+            files += write_together(asked, into=answer.into)
             notes += said
         except KeyboardInterrupt:
             waiting.interrupted = True
@@ -237,17 +239,16 @@ class Pictures:
 
     def of(self, answer: Any) -> Files:
         """The files of an answer, and remarks on them."""
-        jobs: list[Job] = []
+        jobs: Jobs = []
         if self.html is not None or self.png is not None or self.cad is not None:
             from drystone import view  # as above
 
             section = self.section
-            for path, write in (
+            jobs += [
                 (self.html, partial(view.save_page, answer, section=section)),
                 (self.png, partial(view.save_figure, answer, section=section)),
                 (self.cad, partial(view.save_cad, answer)),
-            ):
-                jobs += [] if path is None else [(path, write)]
+            ]
         if self.csv is not None:
             jobs.append((self.csv, answer.table().to_csv))
         if self.report is not None:
@@ -263,7 +264,7 @@ class WithFilm(Pictures):
 
     film: Annotated[
         Path | None,
-        Option("Write a film of the stages, .gif.", OUTPUT, kind=kinds.target(".gif"), expert=True),
+        writes("Write a film of the stages, .gif.", ".gif", expert=True),
     ] = None
 
     def of(self, answer: Any) -> Files:
@@ -292,10 +293,10 @@ class Written(Pictures):
     ] = ()
     corners: Annotated[
         tuple[Path, ...],
-        Option(
+        writes(
             "Write the force at every corner of contact, .csv or .json.",
-            OUTPUT,
-            kind=kinds.target(".csv", ".json"),
+            ".csv",
+            ".json",
             expert=True,
         ),
     ] = ()
@@ -319,7 +320,7 @@ class Written(Pictures):
         return jobs, []
 
 
-def _table(path: Path, table: Table) -> Job:
+def _table(path: Path, table: Table) -> tuple[Path, Callable[[Path], object]]:
     """A file with a table, .csv or .json."""
     if path.suffix.lower() == ".csv":
         return path, table.to_csv

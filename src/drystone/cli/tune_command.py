@@ -13,7 +13,7 @@ from drystone.base.errors import InputError, located
 from drystone.cli import families, kinds, options
 from drystone.cli.command import command
 from drystone.cli.model_input import HOW
-from drystone.cli.offered import MODEL, OUTPUT, Analysis, Argument, Of, Option
+from drystone.cli.offered import MODEL, OUTPUT, Analysis, Argument, Of, Option, writes
 from drystone.cli.told import Told
 from drystone.cli.waiting import Waiting
 
@@ -153,11 +153,7 @@ def tune(
     ] = None,
     png: Annotated[
         Path | None,
-        Option(
-            "Draw the trials and the front: .png, .svg or .pdf.",
-            OUTPUT,
-            kind=kinds.target(".png", ".svg", ".pdf"),
-        ),
+        writes("Draw the trials and the front: .png, .svg or .pdf.", ".png", ".svg", ".pdf"),
     ] = None,
     time_limit: options.TimeLimit = None,
     waiting: Waiting,
@@ -186,14 +182,11 @@ def tune(
 def _files(
     found: Tuned, build: Any, how: Mapping[str, Any], out: Path | None, png: Path | None
 ) -> Files:
-    jobs: list[Any] = []
-    if out is not None and found.front:
-        from drystone import io
-        from drystone.design.tuned_values import model_of
+    from drystone import io
+    from drystone.design.tuned_values import model_of
+    from drystone.view import save_figure
 
-        jobs.append((out, partial(io.write, model_of(build(**found.front[0].values), how))))
-    if png is not None:
-        from drystone.view import save_figure  # as above
+    def write(path: Path) -> None:
+        io.write(model_of(build(**found.front[0].values), how), path)
 
-        jobs.append((png, partial(save_figure, found)))
-    return jobs, []
+    return [(out if found.front else None, write), (png, partial(save_figure, found))], []
