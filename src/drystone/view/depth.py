@@ -1,9 +1,8 @@
 """The order in which the faces of a drawing are painted, from back to front.
 
 Two faces that overlap on the paper are ordered by their depth at a point that both cover; a
-comparison of centroids is not enough. A block is painted at once where no other one is both behind
-and before it. Blocks that are (a box in the notch of an L, three sticks that overlap in a ring) are
-drawn face by face, and faces that are in a ring triangle by triangle.
+comparison of centroids is not enough. Faces that hide each other in a ring are drawn triangle by
+triangle.
 """
 
 from __future__ import annotations
@@ -60,44 +59,25 @@ def ordered_patches(assembly: Assembly, toward: Floats, paper: Floats) -> Sorted
     triangle, face = triangulate(corners[row], loops_of.start)
     triangle, face = row[triangle], every[face]
     behind, before = _hidden_pairs(corners[triangle], toward, paper)
-    block = faces.owner[face]
-    one, other = block[behind], block[before]
-    hides = one != other
-    rank = _ranks(assembly.centroid @ toward, one[hides], other[hides])
-    item = np.searchsorted(every, face)
-    same = rank[one] == rank[other]
-    behind, before = behind[same], before[same]
     # Faces stay whole unless they hide each other in a ring; then they go triangle by triangle.
-    ring = _rings(len(every), item[behind], item[before])
-    single = ring[item]
-    item = np.where(single, len(every) + np.arange(len(item)), item)
+    ring = _rings(faces.count, face[behind], face[before])
+    single = ring[face]
+    item = np.where(single, faces.count + np.arange(len(face)), face)
     depth = np.concatenate(
-        [faces.corners.mean(corners @ toward)[every], (corners[triangle] @ toward).mean(axis=1)]
+        [faces.corners.mean(corners @ toward), (corners[triangle] @ toward).mean(axis=1)]
     )
-    place = np.empty(len(depth))
-    place[topological(len(depth), item[behind], item[before], depth)] = np.arange(len(depth))
-    loops = [np.arange(faces.start[f], faces.start[f + 1]) for f in every[~ring]]
+    place = np.argsort(topological(len(depth), item[behind], item[before], depth))
+    whole = every[~ring[every]]
+    loops = [np.arange(faces.start[f], faces.start[f + 1]) for f in whole]
     loops += list(triangle[single])
-    owner = np.concatenate([every[~ring], face[single]]).astype(np.intp)
-    within = np.concatenate([place[: len(every)][~ring], place[len(every) :][single]])
-    order = np.lexsort((within, rank[faces.owner[owner]]))
+    owner = np.concatenate([whole, face[single]]).astype(np.intp)
+    order = np.argsort(place[np.concatenate([whole, item[single]])])
     loops = [loops[i] for i in order]
     corner = np.concatenate(loops) if loops else np.zeros(0, dtype=np.intp)
     start = Ragged.of(loops).start
     next_corner = corner[Ragged(start).following] if len(corner) else corner
     outlined = drawn[corner] & (next_corner == faces.corners.following[corner])
     return SortedPolygons(corner, start, owner[order], outlined)
-
-
-def _ranks(depth: Floats, behind: Ints, before: Ints) -> Ints:
-    """The turn (n,) of each block; those that hide each other in a ring have the same."""
-    n = len(depth)
-    graph = coo_array((np.ones(len(behind)), (behind, before)), shape=(n, n))
-    count, group = connected_components(graph, directed=True, connection="strong")
-    between = group[behind] != group[before]
-    mean = np.bincount(group, depth) / np.bincount(group)
-    order = topological(count, group[behind][between], group[before][between], mean)
-    return np.argsort(order)[group]
 
 
 def topological(count: int, before: Ints, after: Ints, depth: Floats) -> Ints:

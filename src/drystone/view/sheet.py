@@ -14,6 +14,7 @@ from drystone.answer.scene import Layer, Scene, SceneStage, State
 from drystone.assembly import Block
 from drystone.base.arrays import Floats
 from drystone.geometry.frames import rotation_about
+from drystone.geometry.polyhedron import fan_triangles, stack_faces
 from drystone.view.palette import ROLE_COLOUR, STATE_COLOUR, rgb
 from drystone.view.section import Plane, plane_of
 
@@ -147,18 +148,13 @@ def draw_shadow(sheet: Sheet) -> None:
     size = float(np.ptp(bounds[..., :2].reshape(-1, 2), axis=0).max())
     ground = float(bounds[:, 0, 2].min())
     for reach in np.linspace(0.05, -0.03, 9) * size:
-        grown = cover.buffer(reach, quad_segs=6).simplify(1e-3 * size)
-        paths = []
-        for part in shapely.get_parts(grown):
-            if part.is_empty or part.geom_type != "Polygon":
-                continue
-            rings = [part.exterior, *part.interiors]
-            flat = [np.asarray(ring.coords) for ring in rings]
-            at = [sheet.project(np.c_[xy, np.full(len(xy), ground)]) for xy in flat]
-            paths.append(Line.make_compound_path(*(Line(one, closed=True) for one in at)))
-        if paths:
+        rims = shapely.get_rings(cover.buffer(reach, quad_segs=6).simplify(1e-3 * size))
+        flat = [shapely.get_coordinates(rim) for rim in rims]
+        at = [sheet.project(np.c_[xy, np.full(len(xy), ground)]) for xy in flat]
+        if at:
+            path = Line.make_compound_path(*(Line(one, closed=True) for one in at))
             sheet.axes.add_collection(
-                PathCollection(paths, facecolors="black", alpha=0.02, linewidths=0, zorder=0.5),
+                PathCollection([path], facecolors="black", alpha=0.02, linewidths=0, zorder=0.5),
                 autolim=False,
             )
 
@@ -238,13 +234,7 @@ def shown_middle(block: Block, toward: Floats) -> Floats:
 
     A side is the face with the largest picture and those that turn as it does, within ALIKE.
     """
-    triangles = np.array(
-        [
-            block.vertices[[face[0], face[i], face[i + 1]]]
-            for face in block.faces
-            for i in range(1, len(face) - 1)
-        ]
-    )
+    triangles, _ = fan_triangles(stack_faces([block.vertices], [block.faces]))
     normal = 0.5 * np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     largest = normal[int(np.argmax(normal @ toward))]
     alike = normal @ largest > _ALIKE * np.linalg.norm(normal, axis=1) * np.linalg.norm(largest)
