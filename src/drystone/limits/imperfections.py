@@ -18,7 +18,7 @@ from drystone.base.arrays import Floats, frozen, frozen_floats
 from drystone.base.errors import InputError, counted
 from drystone.base.progress import Clock
 from drystone.base.ragged import Ragged
-from drystone.base.settings import Options, checked_call
+from drystone.base.settings import Options, checked_call, member_of
 from drystone.base.table import Table
 from drystone.base.workers import WorkerPool
 from drystone.contacts import Contacts
@@ -301,11 +301,7 @@ def imperfections(
 def _orders(loading: Loading | str | Sequence[Loading | str]) -> tuple[Loading, ...]:
     """Orders of loading by their names, each once."""
     given = (loading,) if isinstance(loading, str | Loading) else tuple(loading)
-    try:
-        orders = tuple(Loading(one) for one in given)
-    except ValueError as error:
-        known = ", ".join(f"'{one.value}'" for one in Loading)
-        raise InputError(f"loading: {error}", remedy=f"give some of {known}") from error
+    orders = tuple(member_of(Loading, one, "loading") for one in given)
     if len(set(orders)) < len(orders):
         raise InputError("an order of loading is named twice", remedy="name each once")
     return orders
@@ -355,14 +351,8 @@ def imperfect(
         arm = point - contacts.centroid[interface]
         point = contacts.centroid[interface] + np.einsum("kij,kj->ki", turns[interface], arm)
     changed = replace(contacts, frame=frame, friction=friction, point=point, interface=interface)
-    area = np.where(contacts.area > 0.0, _areas(changed), 0.0)
+    area = np.where(contacts.area > 0.0, changed.corners.sum(changed.tributary), 0.0)
     return replace(changed, area=contacts.area).with_areas(area)
-
-
-def _areas(contacts: Contacts) -> Floats:
-    total = np.zeros(contacts.count)
-    np.add.at(total, contacts.interface, contacts.tributary)
-    return total
 
 
 def _chipped(contacts: Contacts, lost: np.ndarray, reach: float) -> tuple[Floats, np.ndarray]:

@@ -74,13 +74,8 @@ class PlanOptions(Options):
     patience: float | None = None
     width: int = 16
     anyway: bool = False
-    scaffold: Support | str | None = None
+    scaffold: Support | None = None
     scaffold_options: ScaffoldOptions = field(default_factory=ScaffoldOptions)
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        if self.scaffold is not None:
-            object.__setattr__(self, "scaffold", Support.named(self.scaffold))
 
 
 @checked_call

@@ -22,6 +22,7 @@ from drystone.base.arrays import Bools, Floats, Ints
 from drystone.base.display import OneLine, named, rounded_up
 from drystone.base.errors import InputError, counted
 from drystone.base.settings import Options
+from drystone.mechanics.corners import distance_from_supports
 from drystone.results import Verdict
 from drystone.sequence.freedom import TOLERANCE, Freedom, Joints, free_twists, freedom
 from drystone.sequence.path_search import NoPath, PathFinder, PathOptions, RemovalPath
@@ -285,16 +286,8 @@ def courses(model: StagedModel) -> Floats:
 
 def distances(model: StagedModel) -> Floats:
     """Number of joints (n,) from each block to the nearest support; infinity if there is none."""
-    out = np.full(len(model.assembly), np.inf)
-    out[model.assembly.fixed] = 0.0
-    frontier = mask_of(i for i in model.assembly.free.tolist() if model.grounds[i])
-    seen, step = 0, 0
-    while frontier:
-        step += 1
-        out[list(members(frontier))] = step
-        seen |= frontier
-        frontier = model.around(frontier) & ~seen
-    return out
+    away = distance_from_supports(model.assembly, model.contacts)
+    return np.where(away < len(away), away, np.inf)
 
 
 def _after(rules: Rules, model: StagedModel) -> tuple[int, ...]:

@@ -37,21 +37,6 @@ class Support(enum.Enum):
         """The kind, in plural where there are several."""
         return self.value if count == 1 or self is Support.CENTRING else f"{self.value}s"
 
-    @classmethod
-    def named(cls, support: Support | str) -> Support:
-        """The kind of a name.
-
-        Raises
-        ------
-        InputError
-            It is not known.
-        """
-        try:
-            return cls(support)
-        except ValueError as error:
-            known = ", ".join(one.value for one in cls)
-            raise InputError(f"support '{support}' is not known", remedy=f"use {known}") from error
-
 
 @dataclass(frozen=True)
 class ScaffoldOptions(Options):
@@ -87,9 +72,6 @@ class ScaffoldOptions(Options):
     longest: float = float("inf")
     stage_cost: float = 1.0
     move_cost: float = 1.0
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
 
 
 def items_of(

@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from drystone.base.errors import InputError, counted
+from drystone.base.settings import member_of
 from drystone.model import Model
 from drystone.results import Result, Verdict
 from drystone.sequence.scaffold_items import ScaffoldedModel, ScaffoldItem, Strut, with_items
@@ -57,7 +58,7 @@ class ScaffoldedStages:
         check: Check = check_once,
     ) -> None:
         self.model = model
-        self.support = Support.named(support)
+        self.support = member_of(Support, support, "support")
         self.options = ScaffoldOptions.of(options)
         self.check = check
         if self.support is Support.STRUT and self.options.foot is not None:

@@ -21,7 +21,7 @@ from drystone.base import units
 from drystone.base.arrays import Floats
 from drystone.base.errors import InputError, counted
 from drystone.base.progress import Clock, LongWork
-from drystone.base.settings import checked_call
+from drystone.base.settings import checked_call, member_of
 from drystone.base.table import Table
 from drystone.base.workers import WorkerPool
 from drystone.io.opening import Given, LongHow, as_model
@@ -381,7 +381,7 @@ def compare_scaffolding(
     clock = Clock.of(how)
     model = as_model(given, **how)
     chosen = planner.PlanOptions.of(options)
-    named = [Support.named(one) for one in kinds]
+    named = [member_of(Support, one, "support") for one in kinds]
     names = [_order_name(order) for order in orders]
     if not named or not names:
         raise InputError("nothing to compare", remedy="give a kind and an order")

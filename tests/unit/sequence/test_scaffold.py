@@ -335,7 +335,7 @@ def test_bad_items_are_refused(make, words):
 
 
 def test_a_kind_that_is_not_known_is_refused(arch_plan):
-    with pytest.raises(InputError, match="'crane' is not known; use strut, rope, clamp, centring"):
+    with pytest.raises(InputError, match="'crane'; give one of 'strut', 'rope', 'clamp'"):
         scaffolding(arch_plan, "crane")
 
 
