@@ -264,8 +264,7 @@ class Contacts(OneLine):
     def _drawn_together(self, times: float) -> Bools:
         """(m,) faces of more area than so many times the square of the reach of their corners."""
         away = lengths(self.point - self.centroid[self.interface])
-        far = np.zeros(self.count)
-        np.maximum.at(far, self.interface, away)
+        far = self.corners.max(away)
         wide: Bools = (self.corners.counts > 2) & (self.area > times * far**2)
         return wide
 

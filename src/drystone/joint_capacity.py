@@ -142,8 +142,7 @@ class JointCapacity(OneLine):
         pull = _capacities(given, m, "tension")
         if moment is not None:
             apart = np.linalg.norm(contacts.point - contacts.centroid[contacts.interface], axis=1)
-            reach = np.zeros(m)
-            np.maximum.at(reach, contacts.interface, apart)
+            reach = contacts.corners.max(apart)
             most = _capacities(moment, m, "moment")
             pull = np.minimum(pull, np.divide(most, reach, where=reach > 0.0, out=np.zeros(m)))
         if cohesion is None:

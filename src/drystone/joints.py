@@ -12,7 +12,7 @@ from drystone.assembly import Assembly, Blocks
 from drystone.base.arrays import ROUNDING, SAME, Bools, Floats, Ints, cross, dot, frozen, lengths
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
-from drystone.base.ragged import Ragged, sum_by_owner
+from drystone.base.ragged import Ragged, linked, sum_by_owner
 from drystone.base.settings import hold
 from drystone.base.table import Table
 from drystone.contacts import Contacts
@@ -390,14 +390,9 @@ def foot_pressed(
 
 def _held_without(assembly: Assembly, contacts: Contacts, joints: Ints) -> Bools:
     """Which blocks (n,) are connected with a support when some joints are missing."""
-    held = assembly.fixed.copy()
     a, b = (np.delete(end, joints) for end in (contacts.block_a, contacts.block_b))
-    while True:
-        more = held.copy()
-        more[a[held[b]]] = more[b[held[a]]] = True
-        if np.array_equal(more, held):
-            return held
-        held = more
+    part = linked(a, b, len(assembly))
+    return np.isin(part, part[assembly.fixed])
 
 
 def corner_pressure(contacts: Contacts, force: Floats) -> Floats:

@@ -263,15 +263,8 @@ def first_linked(one: Ints, other: Ints, count: int) -> Ints:
     >>> first_linked(np.array([0, 3]), np.array([2, 2]), 4).tolist()
     [0, 1, 0, 0]
     """
-    first = np.arange(count, dtype=np.intp)
-    while True:  # every item takes over the number of the lowest one that it meets, and its
-        lower = first.copy()
-        np.minimum.at(lower, one, first[other])
-        np.minimum.at(lower, other, first[one])
-        lower = lower[lower]
-        if np.array_equal(lower, first):
-            return first
-        first = lower
+    group = linked(one, other, count)
+    return np.unique(group, return_index=True)[1][group]
 
 
 def sum_by_owner(values: Floats, owner: Ints, count: int) -> Floats:

@@ -11,7 +11,7 @@ import shapely
 from drystone.assembly import Assembly, Block
 from drystone.base.arrays import SAME, Floats
 from drystone.base.errors import InputError, counted
-from drystone.design.block_surgery import CornerError, face_plane, with_moved_faces
+from drystone.design.block_surgery import CornerError, face_planes, with_moved_faces
 from drystone.design.joint_cut import block_with
 from drystone.free_faces import NEAR
 from drystone.geometry.convex_pieces import mesh_of, solid_of
@@ -109,7 +109,8 @@ def _layer(body: Block, face: int, joined: Sequence[int], depth: float) -> manif
     Not over an edge from which a face rises that does not move: that one is only prolonged.
     """
     loop = body.faces[face]
-    corner, (normal, offset) = body.vertices[list(loop)], face_plane(body, face)
+    normals, offsets = face_planes(body)
+    corner, normal, offset = body.vertices[list(loop)], normals[face], offsets[face]
     frame = frames_from_normals(normal[None])[0]
     flat = corner @ frame[1:].T
     shape = shapely.Polygon(flat)
@@ -119,7 +120,7 @@ def _layer(body: Block, face: int, joined: Sequence[int], depth: float) -> manif
         other = beside[b, a]
         along = (end - start) / np.linalg.norm(end - start)
         aside = np.array([along[1], -along[0]])
-        if other in joined or face_plane(body, other)[0] @ (aside @ frame[1:]) > -SAME:
+        if other in joined or normals[other] @ (aside @ frame[1:]) > -SAME:
             continue
         reach, ends = 2.0 * depth * aside, (start - depth * along, end + depth * along)
         strip = shapely.Polygon([*ends, ends[1] + reach, ends[0] + reach])
@@ -144,14 +145,14 @@ def _joined_faces(model: Model, block: int) -> list[int]:
         outward = contacts.frame[i] * (1.0 if contacts.block_a[i] == block else -1.0)
         joint = contacts.polygon(i)
         found |= {k for k in range(len(body.faces)) if _lies_on(joint, outward, body, k)}
-    planes = [face_plane(body, k) for k in sorted(found)]
+    normal, offset = face_planes(body)
     return [
         k
         for k, loop in enumerate(body.faces)
         if any(
-            face_plane(body, k)[0] @ normal > 1.0 - SAME
-            and np.abs(body.vertices[list(loop)] @ normal - offset).max() < SAME * body.size
-            for normal, offset in planes
+            normal[k] @ normal[j] > 1.0 - SAME
+            and np.abs(body.vertices[list(loop)] @ normal[j] - offset[j]).max() < SAME * body.size
+            for j in found
         )
     ]
 
@@ -162,7 +163,7 @@ def _lies_on(joint: Floats, outward: Floats, body: Block, face: int) -> bool:
     It is the mean plane of facets, which are up to 0.014 of the size of a block away from it in
     shells with faceted joints.
     """
-    normal, offset = face_plane(body, face)
+    normal, offset = (of_faces[face] for of_faces in face_planes(body))
     away = np.abs(joint @ normal - offset).max()
     if normal @ outward[0] < 1.0 - NEAR or away > 2.0 * NEAR * body.size:
         return False

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
 
 from drystone.assembly import Block, replace_block
-from drystone.base.arrays import SAME, Floats, frozen_floats, number
+from drystone.base.arrays import SAME, Floats, dot, frozen_floats, lengths, number
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
 from drystone.design.changed_model import changed, fresh_name
@@ -21,7 +22,7 @@ from drystone.design.joint_cut import (
 from drystone.geometry.frames import rotation_about, unit
 from drystone.geometry.glue import cut_cell, glue
 from drystone.geometry.polygon import area_vector
-from drystone.geometry.polyhedron import Piece
+from drystone.geometry.polyhedron import Piece, stack_faces
 from drystone.model import Model
 
 
@@ -207,31 +208,16 @@ def thickness_of(model: Model, block: int) -> tuple[tuple[int, int], Floats]:
     Errors as for :func:`thicken_blocks`.
     """
     body = model.assembly.blocks[block]
-    planes = [face_plane(body, k) for k in range(len(body.faces))]
-    free = [k for k in _by_area(body) if not _in_joint(model, block, *planes[k])]
-    pairs = [
-        (one, two)
-        for number_, one in enumerate(free)
-        for two in free[number_ + 1 :]
-        if planes[one][0] @ planes[two][0] < -0.5
-    ]
+    faces, (normal, offset) = stack_faces([body.vertices], [body.faces]), face_planes(body)
+    largest = np.argsort(-lengths(faces.area_vectors), kind="stable").tolist()
+    free = [k for k in largest if not _in_joint(model, block, normal[k], offset[k])]
+    pairs = [(one, two) for one, two in combinations(free, 2) if normal[one] @ normal[two] < -0.5]
     if not pairs:
         raise InputError(
             "has no two free faces", where=f"block '{body.name}'", remedy="choose another"
         )
     one, two = pairs[0]
-    normal, offset = planes[one]
-    middle = body.vertices[list(body.faces[two])].mean(axis=0)
-    return (one, two), (offset - float(normal @ middle)) * normal
-
-
-def _by_area(block: Block) -> list[int]:
-    """The faces of a block, the largest first."""
-    size = []
-    for loop in block.faces:
-        corner = block.vertices[list(loop)]
-        size.append(float(np.linalg.norm(area_vector(corner))))
-    return sorted(range(len(size)), key=lambda k: -size[k])
+    return (one, two), (offset[one] - float(normal[one] @ faces.middles[two])) * normal[one]
 
 
 def _in_joint(model: Model, block: int, normal: Floats, offset: float) -> bool:
@@ -262,7 +248,7 @@ def with_moved_faces(body: Block, distances: Mapping[int, float]) -> Block:
     InputError
         A face or an edge would be swallowed.
     """
-    normal = np.array([face_plane(body, k)[0] for k in range(len(body.faces))])
+    normal, _ = face_planes(body)
     away = np.array([distances.get(k, 0.0) for k in range(len(body.faces))])
     vertices = np.array(body.vertices)
     for v in sorted({v for face in distances for v in body.faces[face]}):
@@ -297,20 +283,16 @@ def _refuse_swallowed(body: Block, vertices: Floats) -> None:
             )
 
 
-def face_plane(block: Block, face: int) -> tuple[Floats, float]:
-    """Unit normal and offset of a face."""
-    corner = block.vertices[list(block.faces[face])]
-    area = area_vector(corner)
-    normal = area / np.linalg.norm(area)
-    return normal, float(normal @ corner.mean(axis=0))
+def face_planes(block: Block) -> tuple[Floats, Floats]:
+    """Unit normals (f, 3) and offsets (f,) [m] of the faces of a block."""
+    faces = stack_faces([block.vertices], [block.faces])
+    return faces.normals, dot(faces.normals, faces.middles)
 
 
 def faces_toward(block: Block, direction: Floats) -> list[int]:
     """Faces of a block whose normals are within 45 degrees of a direction, the nearest first."""
-    along = unit(direction)
-    cosine = [float(face_plane(block, k)[0] @ along) for k in range(len(block.faces))]
-    order = sorted(range(len(cosine)), key=lambda k: -cosine[k])
-    return [k for k in order if cosine[k] > 0.7]
+    cosine = face_planes(block)[0] @ unit(direction)
+    return [k for k in np.argsort(-cosine, kind="stable").tolist() if cosine[k] > 0.7]
 
 
 def insert_block(model: Model, block: Block, *, fixed: bool = False) -> Model:

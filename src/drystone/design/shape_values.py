@@ -20,7 +20,7 @@ from drystone.base.settings import Options
 from drystone.design.changed_model import changed
 from drystone.design.margin import DesignMargin
 from drystone.design.needs import GROUND, Form
-from drystone.design.vertex_places import BlockVertices, vertices_of
+from drystone.design.vertex_places import BlockVertices
 from drystone.geometry.frames import unit
 from drystone.geometry.polyhedron import edges_of
 from drystone.model import Model
@@ -357,4 +357,4 @@ class FamilyMoves(OneLine):
     def _vertices(self, x: Floats) -> Floats:
         """The vertices of what is built of variables (p,)."""
         made = self.build(**self.values(x))
-        return vertices_of(made.assembly if isinstance(made, Model) else made)
+        return (made.assembly if isinstance(made, Model) else made).faces.point

@@ -17,7 +17,6 @@ from drystone.design.needs import GROUND
 from drystone.design.search import bracket
 from drystone.design.shape_search import USED_UP, ShapeSearch, ended, farthest
 from drystone.design.shape_values import ShapeAim, ShapeOptions, ShapeVariables
-from drystone.design.vertex_places import vertices_of
 from drystone.io.opening import Given, LongHow, as_model
 from drystone.model import Model
 
@@ -188,7 +187,7 @@ def shape(
     model = as_model(given, **how)
     made = moves(model) if callable(moves) else moves
     variables = of_type(made, ShapeVariables, "moves", "give block_moves(...)")  # type: ignore[type-abstract]
-    vertex = vertices_of(model.assembly)
+    vertex = model.assembly.faces.point
     here = variables.moved(vertex, np.zeros(variables.count))
     if np.abs(here - vertex).max() > ROUNDING * float(np.ptp(vertex, axis=0).max()):
         raise InputError(

@@ -30,7 +30,6 @@ from drystone.design.corner_following import NEAR
 from drystone.design.mends import kept_blocks
 from drystone.design.vertex_places import (
     AXES,
-    BlockVertices,
     Places,
     axis_of,
     is_prism,
@@ -39,10 +38,8 @@ from drystone.design.vertex_places import (
     places_of,
     require_prisms,
     slides,
-    vertices_of,
 )
 from drystone.geometry.frames import unit
-from drystone.geometry.polygon import area_vector
 from drystone.model import Model
 
 _CLOSE = 1e-13
@@ -76,17 +73,17 @@ class SharedPlanes(OneLine):
     @classmethod
     def of(cls, model: Model, still: Bools) -> SharedPlanes:
         """The joints of a model; those whose vertices (v,) all stay are left out."""
-        bodies = BlockVertices.of(model.assembly)
-        place = places_of(bodies.vertex, SAME * float(np.ptp(bodies.vertex, axis=0).max()))
+        point = model.assembly.faces.point
+        place = places_of(point, SAME * float(np.ptp(point, axis=0).max()))
         rows: list[list[int]] = []
-        for one in _plane_sets(model, bodies):
+        for one in _plane_sets(model):
             if still[one].all():
                 continue
             some = one[np.unique(place[one], return_index=True)[1]]
             if len(some) > 3:
-                rows += _rows(bodies.vertex, some)
+                rows += _rows(point, some)
         corner = np.array(rows, dtype=np.intp).reshape(-1, 4)
-        a, b, c = (bodies.vertex[corner[:, k]] for k in range(3))
+        a, b, c = (point[corner[:, k]] for k in range(3))
         return cls(corner, np.linalg.norm(cross(b - a, c - a), axis=1))
 
     def distances(self, vertex: Floats) -> Floats:
@@ -234,19 +231,10 @@ class Moves(OneLine):
         return out
 
 
-def _plane_sets(model: Model, bodies: BlockVertices) -> Iterator[Ints]:
+def _plane_sets(model: Model) -> Iterator[Ints]:
     """The vertices of faces that touch in one plane, for each such plane."""
-    loops: list[Ints] = []
-    of_block: list[range] = []
-    normals: list[Floats] = []
-    for i, block in enumerate(model.assembly.blocks):
-        first = len(loops)
-        for loop in block.faces:
-            corner = block.vertices[list(loop)]
-            area = area_vector(corner)
-            loops.append(int(bodies.start[i]) + np.array(loop, dtype=np.intp))
-            normals.append(area / np.linalg.norm(area))
-        of_block.append(range(first, len(loops)))
+    faces = model.assembly.faces
+    loops = [faces.loop[rows] for rows in faces.corners]
     contacts, size = model.contacts, model.assembly.size
     links: list[tuple[int, int]] = []
     for k in np.flatnonzero(np.diff(contacts.start) > 2).tolist():
@@ -254,9 +242,9 @@ def _plane_sets(model: Model, bodies: BlockVertices) -> Iterator[Ints]:
         touching = [
             j
             for i in (int(contacts.block_a[k]), int(contacts.block_b[k]))
-            for j in of_block[i]
-            if abs(float(normals[j] @ normal)) > 1.0 - SAME
-            and np.abs((bodies.vertex[loops[j]] - middle) @ normal).max() < NEAR * float(size[i])
+            for j in np.flatnonzero(faces.owner == i).tolist()
+            if abs(float(faces.normals[j] @ normal)) > 1.0 - SAME
+            and np.abs((faces.point[loops[j]] - middle) @ normal).max() < NEAR * float(size[i])
         ]
         links += [(touching[0], j) for j in touching[1:]]
     pair = np.array(links, dtype=np.intp).reshape(-1, 2)
@@ -409,7 +397,7 @@ def _moves(
             f"no vertex may move{stay}",
             remedy="keep fewer blocks, or allow more directions",
         )
-    return Moves.of(matrix, most, vertices_of(model.assembly), SharedPlanes.of(model, still))
+    return Moves.of(matrix, most, model.assembly.faces.point, SharedPlanes.of(model, still))
 
 
 def thickening(model: Model, middle: Sequence[float], most: float) -> Moves:
@@ -423,7 +411,7 @@ def thickening(model: Model, middle: Sequence[float], most: float) -> Moves:
     InputError
         A vertex is on the line.
     """
-    vertex = vertices_of(model.assembly)
+    vertex = model.assembly.faces.point
     free = ~model.assembly.fixed[owners_of(model.assembly)]
     away = (vertex - np.asarray(middle, dtype=np.float64)) * np.array([1.0, 0.0, 1.0])
     radius = np.linalg.norm(away, axis=1)
@@ -445,4 +433,4 @@ def block_moves(
     owner = owners_of(model.assembly)
     some = model.assembly.indices(list(blocks))
     matrix = ((owner[:, None] == some)[:, None, :] * along[:, None]).reshape(-1, len(some))
-    return Moves.of(sparse.csr_matrix(matrix), most, vertices_of(model.assembly), None)
+    return Moves.of(sparse.csr_matrix(matrix), most, model.assembly.faces.point, None)

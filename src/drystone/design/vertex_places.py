@@ -5,6 +5,7 @@ Vertices of all blocks in one array: volumes, centroids, and how they follow the
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -16,8 +17,6 @@ from drystone.assembly import Assembly, Block, replace_block
 from drystone.base.arrays import SAME, Bools, Floats, Ints, cross, dot
 from drystone.base.errors import InputError
 from drystone.base.ragged import Ragged, linked
-from drystone.geometry.polygon import area_vector
-from drystone.geometry.polyhedron import edges_of
 from drystone.geometry.selfcontact import self_contacts
 from drystone.model import Model
 
@@ -57,7 +56,7 @@ class Places:
         InputError
             An axis is unknown, or the model does not have the symmetry.
         """
-        vertex = vertices_of(model.assembly)
+        vertex = model.assembly.faces.point
         near = SAME * float(np.ptp(vertex, axis=0).max())
         flat = flattened(vertex, along)
         group = places_of(flat, near)
@@ -221,23 +220,17 @@ def on_side(model: Model, side: str, along: str | None) -> Bools:
     if not feet.any():
         raise InputError("nothing stands on supports", remedy="fix the blocks that it stands on")
     middle = contacts.centroid[feet].mean(axis=0)
-    start = BlockVertices.of(assembly).start
-    found = np.zeros(int(start[-1]), dtype=bool)
-    for i in np.flatnonzero(~fixed).tolist():
-        block = assembly.blocks[i]
+    faces = assembly.faces
+    found = np.zeros(len(faces.point), dtype=bool)
+    towards = SIDES[side] * dot(faces.normals, middle - faces.middles) > 0.0
+    if along is not None:
+        towards &= np.abs(faces.normals[:, axis_of(along)]) <= 1.0 - SAME
+    for j in np.flatnonzero(towards & ~fixed[faces.owner]).tolist():
+        i, normal, loop = faces.owner[j], faces.normals[j], faces.loop[faces.corners[j]]
         own = (contacts.block_a == i) | (contacts.block_b == i)
-        for loop in block.faces:
-            corner = block.vertices[list(loop)]
-            area = area_vector(corner)
-            normal = area / np.linalg.norm(area)
-            if along is not None and abs(normal[axis_of(along)]) > 1.0 - SAME:
-                continue
-            flat = np.abs(contacts.frame[own, 0] @ normal) > 1.0 - SAME
-            away = np.abs((contacts.centroid[own] - corner[0]) @ normal)
-            if (flat & (away < SAME * block.size)).any():
-                continue
-            if SIDES[side] * float(normal @ (middle - corner.mean(axis=0))) > 0.0:
-                found[int(start[i]) + np.array(loop)] = True
+        flat = np.abs(contacts.frame[own, 0] @ normal) > 1.0 - SAME
+        away = np.abs((contacts.centroid[own] - faces.point[loop[0]]) @ normal)
+        found[loop] |= not (flat & (away < SAME * assembly.size[i])).any()
     if not found.any():
         raise InputError(f"no face is on the {side}", remedy="leave that side out")
     return found
@@ -254,16 +247,13 @@ def slides(model: Model, places: Places) -> list[Floats]:
     InputError
         No joint has such ends.
     """
-    start = BlockVertices.of(model.assembly).start
-    beside: list[dict[int, set[int]]] = []  # of each block: the places that edges lead to
-    for i, block in enumerate(model.assembly.blocks):
-        found: dict[int, set[int]] = {}
-        for one, other in edges_of(block.faces).tolist():
-            ends = places.group[[start[i] + one, start[i] + other]].tolist()
-            if ends[0] != ends[1]:
-                found.setdefault(ends[0], set()).add(ends[1])
-                found.setdefault(ends[1], set()).add(ends[0])
-        beside.append(found)
+    faces = model.assembly.faces
+    start, end = places.group[[faces.loop, faces.loop[faces.corners.following]]].tolist()
+    # of each block: the places that edges lead to
+    beside = [defaultdict[int, set[int]](set) for _ in model.assembly.blocks]
+    for i, one, other in zip(faces.owner[faces.corners.owner], start, end, strict=True):
+        if one != other:
+            beside[i][one].add(other)
     ways = []
     for place in range(places.count):
         at = [found for found in beside if place in found]
@@ -283,15 +273,9 @@ def slides(model: Model, places: Places) -> list[Floats]:
     return ways
 
 
-def vertices_of(assembly: Assembly) -> Floats:
-    """The vertices (v, 3) of all blocks, one after the other."""
-    return np.concatenate([block.vertices for block in assembly.blocks])
-
-
 def owners_of(assembly: Assembly) -> Ints:
     """The block (v,) of each vertex."""
-    counts = [len(block.vertices) for block in assembly.blocks]
-    return np.repeat(np.arange(len(counts)), counts)
+    return Ragged.of([block.vertices for block in assembly.blocks]).owner
 
 
 @dataclass(frozen=True, eq=False)
@@ -321,35 +305,18 @@ class BlockVertices:
     @classmethod
     def of(cls, assembly: Assembly) -> BlockVertices:
         """The vertices and triangles of an assembly."""
-        counts = [len(block.vertices) for block in assembly.blocks]
-        start = Ragged.from_counts(counts).start
-        total = int(start[-1])
-        fan: list[tuple[int, int, int]] = []
-        owner: list[int] = []
-        corners: list[Ints] = []
-        for i, block in enumerate(assembly.blocks):
-            for loop in block.faces:
-                ring = int(start[i]) + np.array(loop, dtype=np.intp)
-                if len(ring) == 3:
-                    fan.append((int(ring[0]), int(ring[1]), int(ring[2])))
-                    owner.append(i)
-                    continue
-                middle = total + len(corners)
-                corners.append(ring)
-                ends = zip(ring.tolist(), np.roll(ring, -1).tolist(), strict=True)
-                fan += [(middle, one, other) for one, other in ends]
-                owner += [i] * len(ring)
-        count = np.array([len(ring) for ring in corners], dtype=np.intp)
-        row = np.repeat(np.arange(len(corners)), count)
-        column = np.concatenate([*corners, np.zeros(0, dtype=np.intp)])
-        means = sparse.csr_matrix((1.0 / count[row], (row, column)), (len(corners), total))
+        faces, corners = assembly.faces, assembly.faces.corners
+        total, loop = len(faces.point), faces.loop
+        share = 1.0 / corners.counts[corners.owner]
+        means = sparse.csr_matrix((share, loop, faces.start), (faces.count, total))
+        blocks = Ragged.of([block.vertices for block in assembly.blocks])
         return cls(
             assembly,
-            vertices_of(assembly),
-            start,
-            owners_of(assembly),
-            np.array(fan, dtype=np.intp),
-            np.array(owner, dtype=np.intp),
+            faces.point,
+            blocks.start,
+            blocks.owner,
+            np.stack([total + corners.owner, loop, loop[corners.following]], axis=1),
+            faces.owner[corners.owner],
             sparse.csr_matrix(sparse.vstack([sparse.identity(total), means])),
         )
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from drystone.base.arrays import Floats, Ints, unit
+from drystone.base.arrays import Floats, Ints, lengths, unit
 from drystone.geometry import boxes
 from drystone.geometry.planar import faces_with_holes
 from drystone.geometry.polygon import area_vector
@@ -125,10 +125,9 @@ def plane_lids(vertices: Floats, faces: Sequence[Loop], near: float) -> tuple[li
     (True, 1)
     """
     rims = [rim for rim in _rims(faces) if _off_plane(vertices[list(rim)]) <= near]
-    normal = unit(np.array([area_vector(vertices[list(rim)]) for rim in rims]).reshape(-1, 3))[0]
-    order = sorted(
-        range(len(rims)), key=lambda i: -np.linalg.norm(area_vector(vertices[list(rims[i])]))
-    )
+    stacked = stack_faces([vertices], [rims])
+    normal = stacked.normals
+    order = np.argsort(-lengths(stacked.area_vectors), kind="stable").tolist()
     outlines: list[tuple[int, list[Loop]]] = []
     for i in order:
         here = vertices[rims[i][0]]

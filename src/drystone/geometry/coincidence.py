@@ -8,7 +8,7 @@ from itertools import product
 import numpy as np
 
 from drystone.base.arrays import SAME, Floats, Ints
-from drystone.base.ragged import Ragged, linked
+from drystone.base.ragged import Ragged, first_linked
 from drystone.geometry.polyhedron import Loop
 
 _PAIRED = 48
@@ -92,10 +92,7 @@ def _joined(points: Floats, cell: Floats, owner: Ints) -> Ints:
         return here
     source = np.concatenate([here[move] for move in moved])
     target = np.concatenate([link[move] for link, move in zip(links, moved, strict=True)])
-    label = linked(source, target, count)
-    first_of = np.full(int(label.max()) + 1, count, dtype=np.intp)
-    np.minimum.at(first_of, label, here)
-    return first_of[label]
+    return first_linked(source, target, count)
 
 
 def _first_alike(columns: Sequence[Floats | Ints]) -> Ints:
@@ -238,7 +235,4 @@ def _same_points(one: Floats, other: Floats, distance: float) -> bool:
     """Whether the points of the two sets match one to one."""
     count = len(one)
     first = first_coincident(np.concatenate([one, other]), distance)
-    groups = np.zeros((2, 2 * count), dtype=np.intp)
-    np.add.at(groups[0], first[:count], 1)
-    np.add.at(groups[1], first[count:], 1)
-    return bool((groups[0] == groups[1]).all())
+    return np.array_equal(np.sort(first[:count]), np.sort(first[count:]))

@@ -12,13 +12,14 @@ import shapely
 
 from drystone.base.arrays import Floats, unit
 from drystone.base.errors import InputError
+from drystone.base.ragged import Ragged
 from drystone.geometry.closing import points_between
 from drystone.geometry.coincidence import distinct
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.halfedge import merge_coplanar
 from drystone.geometry.planar import half_plane, overlay, parts_of, rings_of, valid
 from drystone.geometry.polygon import area_vector, area_vectors
-from drystone.geometry.polyhedron import Loop, Piece, loop_edges, used_vertices
+from drystone.geometry.polyhedron import Loop, Piece, loop_edges, rings, used_vertices
 from drystone.geometry.soup import split_solids
 from drystone.geometry.surface import edge_defects
 
@@ -105,21 +106,11 @@ def _parts(
 def _lid(faces: Sequence[Loop]) -> Loop | None:
     """The face that closes a body with one opening; ``None`` where it has another number."""
     edges = {edge for face in faces for edge in loop_edges(face)}
-    after: dict[int, int] = {}
-    for i, j in edges:
-        if (j, i) not in edges:
-            if j in after:
-                return None
-            after[j] = i
-    if len(after) < 3:
-        return None
-    start = next(iter(after))
-    loop = [start]
-    while (following := after.get(loop[-1])) != start:
-        if following is None or len(loop) == len(after):
-            return None
-        loop.append(following)
-    return tuple(loop) if len(loop) == len(after) else None
+    rim = [(j, i) for i, j in edges if (j, i) not in edges]
+    after = dict(rim)
+    loop = next(rings(after), [])
+    closes = len(rim) == len(loop) > 2 and after[loop[-1]] == loop[0]
+    return tuple(loop) if closes else None
 
 
 def _used(corner: Floats, faces: Sequence[Loop]) -> Piece:
@@ -267,19 +258,16 @@ def _lids(loops: Sequence[Floats], normal: Floats, offset: float, extent: float)
     """The faces in a plane, with its normal, that close a body along its open edges."""
     if not loops:
         return []
-    corners = np.concatenate(loops)
-    kept, number = distinct(corners, _TOUCH * extent)
-    ends = np.cumsum([len(loop) for loop in loops])[:-1]
+    vertices, rounds = _rounds(loops, _TOUCH * extent)
     open_edges: set[tuple[int, int]] = set()
-    for part in np.split(number, ends):
-        loop = _simple(part.tolist())
+    for loop in rounds:
         for edge in loop_edges(loop):
             if edge[::-1] in open_edges:
                 open_edges.remove(edge[::-1])
             else:
                 open_edges.add(edge)
     frame = frames_from_normals(normal[None])[0]
-    flat = corners[kept] @ frame[1:].T
+    flat = vertices @ frame[1:].T
     lines = [shapely.LineString(flat[list(edge)]) for edge in open_edges]
     section = shapely.Polygon()
     # where a face lies in the plane, an edge may run on along it
@@ -290,6 +278,14 @@ def _lids(loops: Sequence[Floats], normal: Floats, offset: float, extent: float)
         for part in parts_of(section, "Polygon")
         for ring in rings_of(part, _TOUCH * extent * part.length)
     ]
+
+
+def _rounds(loops: Sequence[Floats], near: float) -> tuple[Floats, list[Loop]]:
+    """The points of some loops, those nearer than this as one, and the loops of them."""
+    corners = np.concatenate(loops)
+    kept, number = distinct(corners, near)
+    rounds = [_simple(number[rows].tolist()) for rows in Ragged.of(loops)]
+    return corners[kept], [face for face in rounds if face]
 
 
 def _bodies(loops: Sequence[Floats], extent: float) -> list[Piece]:
@@ -303,12 +299,7 @@ def _bodies(loops: Sequence[Floats], extent: float) -> list[Piece]:
     if not loops:
         return []
     near = _TOUCH * extent
-    corners = np.concatenate(loops)
-    kept, number = distinct(corners, near)
-    vertices = corners[kept]
-    ends = np.cumsum([len(loop) for loop in loops])[:-1]
-    rounds = [_simple(part.tolist()) for part in np.split(number, ends)]
-    rounds = [face for face in rounds if face]
+    vertices, rounds = _rounds(loops, near)
     faces = [_simple(face) for face in _with_points_between(rounds, vertices, near)]
     faces = [face for face in faces if face]
     open_edges, _, consistent = edge_defects(faces)

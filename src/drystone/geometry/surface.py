@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections import defaultdict, deque
+from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -12,7 +12,7 @@ import numpy as np
 from drystone.base.arrays import Floats
 from drystone.base.display import named
 from drystone.base.errors import DefectKind, InputError, counted
-from drystone.base.ragged import linked
+from drystone.base.ragged import first_linked, linked
 from drystone.geometry.polyhedron import Edge, Fan, Loop, loop_edges, used_vertices
 
 SHARED_FACES = 64
@@ -210,26 +210,19 @@ def orient(faces: Sequence[Loop]) -> tuple[list[Loop], list[int]]:
     At an edge of one face, or of more than two, nothing is compared. A surface that cannot be
     oriented keeps inconsistent edges: :func:`edge_defects` of the result finds them.
     """
-    neighbours: dict[int, list[tuple[int, bool]]] = defaultdict(list)
-    for runs in edge_uses(faces).values():
-        if len(runs) == 2:
-            (f, one), (g, other) = runs
-            neighbours[f].append((g, one != other))
-            neighbours[g].append((f, one != other))
-    turn: dict[int, bool] = {}
-    for seed in range(len(faces)):
-        if seed in turn:
-            continue
-        turn[seed] = False
-        queue = deque([seed])
-        while queue:
-            f = queue.popleft()
-            for g, agree in neighbours[f]:
-                if g not in turn:
-                    turn[g] = turn[f] if agree else not turn[f]
-                    queue.append(g)
-    turned = [f for f in range(len(faces)) if turn[f]]
-    return [loop[::-1] if turn[f] else loop for f, loop in enumerate(faces)], turned
+    shared = [
+        (f, g, one == other)
+        for (f, one), (g, other) in (two for two in edge_uses(faces).values() if len(two) == 2)
+    ]
+    f, g, against = np.array(shared, dtype=np.intp).reshape(-1, 3).T
+    # each face is there twice: as it is, and turned
+    one, other = (2 * f, 2 * f + 1), (2 * g + against, 2 * g + 1 - against)
+    first = first_linked(np.concatenate(one), np.concatenate(other), 2 * len(faces))
+    turned = np.flatnonzero(first[::2] % 2).tolist()
+    oriented = list(faces)
+    for i in turned:
+        oriented[i] = faces[i][::-1]
+    return oriented, turned
 
 
 def open_faces(faces: Sequence[Loop]) -> list[int]:
@@ -240,7 +233,7 @@ def open_faces(faces: Sequence[Loop]) -> list[int]:
 def face_components(faces: Sequence[Loop]) -> list[list[int]]:
     """Faces grouped into parts connected through shared vertices."""
     ends = np.array([(loop[0], v) for loop in faces for v in loop], dtype=np.intp).reshape(-1, 2)
-    part = linked(*ends.T, int(ends.max(initial=-1)) + 1)
+    part = linked(ends[:, 0], ends[:, 1], int(ends.max(initial=-1)) + 1)
     groups: dict[int, list[int]] = defaultdict(list)
     for f, loop in enumerate(faces):
         groups[int(part[loop[0]])].append(f)

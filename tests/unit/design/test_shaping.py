@@ -23,7 +23,7 @@ from drystone.design import (
 )
 from drystone.design.corner_following import Corners
 from drystone.design.needs import Form
-from drystone.design.vertex_places import BlockVertices, vertices_of
+from drystone.design.vertex_places import BlockVertices
 from drystone.models import arch, box, concave, dome, prism, shelf, tower
 from drystone.shells.shell_by_name import shell_by_name
 
@@ -138,7 +138,7 @@ def test_joints_of_domes_and_shells_stay_plane_and_shared(
     model: Model, mirror: str | None, sectors: int
 ) -> None:
     moves = free_vertices(model, 0.1, along=None, mirror=mirror, sectors=sectors)
-    vertex = vertices_of(model.assembly)
+    vertex = model.assembly.faces.point
     rng = np.random.default_rng(0)
     x = 0.02 * rng.uniform(-1.0, 1.0, moves.count)
     moved = moves.moved(vertex, x)
