@@ -19,7 +19,7 @@ from drystone.answer.chart import Chart, MarkKind, Marks
 from drystone.answer.drawing import interface_layers, load_layers, marks, seen, state_of
 from drystone.answer.question import UP
 from drystone.assembly import Assembly
-from drystone.base.arrays import Floats, Ints, lengths
+from drystone.base.arrays import Bools, Floats, Ints, lengths
 from drystone.base.declared import Offered
 from drystone.base.display import named
 from drystone.base.errors import InputError, counted, located
@@ -539,7 +539,8 @@ def _turning(
     chosen = chosen[~assembly.fixed[chosen]]
     if not len(chosen):
         raise InputError("has no free block", where="part", remedy="name blocks that can move")
-    (origin, axis), remarks = _lowest_edge(assembly, chosen, along), list[str]()
+    origin, axis = _lowest_edge(assembly, chosen, along)
+    remarks = _whole(model, chosen)
     if line is not None:
         origin, axis = _line(line, along)
         remarks += _under(assembly, chosen, origin, axis)
@@ -567,6 +568,44 @@ def _turning(
         weight,
     )  # fmt: skip
     return turning, motion, remarks
+
+
+def _whole(model: Model, part: Ints) -> list[str]:
+    """Refuse a part of several pieces, or without what stands on it alone; say what else is on it.
+
+    Joints whose normal rises carry what is above them.
+    """
+    assembly, contacts = model.assembly, model.contacts
+    names = np.array(assembly.names)
+    mine = np.isin(np.arange(len(assembly)), part)
+    a, b = contacts.block_a, contacts.block_b
+    within = mine[a] & mine[b]
+    first = part[np.unique(linked(a[within], b[within], len(assembly))[part], return_index=True)[1]]
+    if len(first) > 1:
+        told = f"is {len(first)} pieces that do not touch: of {named(names[first].tolist())}"
+        raise InputError(told, where="part", remedy="name what is between, or ask for each alone")
+    rise = contacts.frame[:, 0, 2]
+    rests = ~contacts.ties & (np.abs(rise) > _CLOSE)
+    below, above = np.where(rise > 0.0, (a, b), (b, a))[:, rests]
+
+    def raised(start: Bools, through: Bools) -> Bools:
+        """What stands on some blocks, at once or through others."""
+        reached = start
+        while len(more := above[reached[below] & ~reached[above] & through[above]]):
+            reached = reached.copy()
+            reached[more] = True
+        return reached
+
+    held = raised(assembly.fixed, ~mine)
+    left = np.flatnonzero(raised(mine, ~held) & ~mine)
+    if len(left):
+        told = f"leaves out what stands on it alone: {named(names[left].tolist())}"
+        raise InputError(told, where="part", remedy="name it too")
+    both = np.unique(above[mine[below] & held[above] & ~assembly.fixed[above]])
+    if not len(both):
+        return []
+    told = named(names[both].tolist())
+    return [f"what {told} lays on the part is not counted: name it too, or give it as a load"]
 
 
 def _lowest_edge(assembly: Assembly, part: Ints, along: Floats) -> tuple[Floats, Floats]:

@@ -180,6 +180,27 @@ def test_a_line_above_the_foot_of_a_part_names_the_blocks_that_are_above_it() ->
         local_mechanism(courses(6), part="wall-*", line=(0.5, 0, 2, 0.5, 1, 2))
 
 
+@pytest.mark.parametrize(
+    ("part", "message"),
+    [
+        ("wall-0,wall-1", "leaves out what stands on it alone: wall-2, wall-3; name it too"),
+        ("wall-0,wall-2,wall-3", "is 2 pieces that do not touch: of wall-0, wall-2; name what is"),
+    ],
+)
+def test_a_part_is_one_piece_with_all_that_stands_on_it(part: str, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        local_mechanism(courses(4), part=part)
+
+
+def test_a_beam_that_rests_on_the_part_and_beside_it_is_told() -> None:
+    walls = (box((0.5, 2.0, 3.0), (x, 0.0, 0.0), f"wall-{x}") for x in (0, 3))
+    both = standing(*walls, box((3.5, 0.5, 0.2), (0.0, 0.5, 3.0), "beam"))
+    found = local_mechanism(both, part="wall-3")
+    assert found.oscillator.multiplier == pytest.approx(0.5 / 3.0)
+    (told,) = found.remarks
+    assert told.startswith("what beam lays on the part is not counted")
+
+
 def test_spectra_are_those_of_the_codes() -> None:
     ec8 = Spectrum.ec8(0.25 * G, "C")
     assert ec8.acceleration(0.0) == pytest.approx(0.25 * G * 1.15)
