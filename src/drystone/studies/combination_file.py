@@ -17,7 +17,6 @@ from drystone.base.files import PathLike, as_path, read_bytes
 from drystone.io.jsontext import Field, parse_toml
 from drystone.io.opening import kept_of
 from drystone.loads import LoadCase
-from drystone.loads.applied import common_acceleration
 from drystone.loads.case import STANDARD_GRAVITY
 from drystone.loads.earthquake import with_shaken_weights
 from drystone.loads.load_words import chosen_case
@@ -256,7 +255,7 @@ def _refuse_weight_twice(
     cases: Field, actions: Sequence[Action], made: Sequence[Combination], model: Model
 ) -> None:
     """Refuse combinations in which more than one load is the weight of the same block."""
-    weights = {one.name: _weights(one, model) for one in actions}
+    weights = {one.name: _weights(one, _words(one.name, cases[one.name]), model) for one in actions}
     for each in made:
         acting = {name: weights[name] for name in each.factors if weights[name].any()}
         twice = np.flatnonzero(sum(acting.values(), np.zeros(len(model))) > 1)
@@ -270,13 +269,21 @@ def _refuse_weight_twice(
             )
 
 
-def _weights(action: Action, model: Model) -> Ints:
-    """How many parts of an action are, or have, the weight of each block (n,)."""
-    count = np.zeros(len(model), dtype=np.intp)
-    for part in action.parts:
-        down = -common_acceleration(model.assembly, part)[2]
-        if down > 0.5 * STANDARD_GRAVITY:  # less is an earthquake
-            count[model.assembly.free] += part.wrench[model.assembly.free].any(axis=1)
+def _weights(action: Action, words: Sequence[Field], model: Model) -> Ints:
+    """How many parts of an action are, or have, the weight of each block (n,).
+
+    Of a case of a file that tells no acceleration: where most free blocks have their weight.
+    """
+    count, free = np.zeros(len(model), dtype=np.intp), model.assembly.free
+    weight = LoadCase.gravity(model.assembly).wrench[free]
+    known = {"model", *(case.name for case in model.cases)}
+    for word, part in zip(words, action.parts, strict=True):
+        alike = np.abs(part.wrench[free] - weight).max(axis=1) <= 1e-3 * np.abs(weight[:, 2])
+        told = -part.acceleration[2] > 0.5 * STANDARD_GRAVITY  # less is an earthquake
+        if word.text() == "gravity" or (
+            word.text() in known and (told or 2 * alike.sum() > len(free))
+        ):
+            count[free] += part.wrench[free].any(axis=1)
     return count
 
 
@@ -426,16 +433,21 @@ def _psi(one: Field) -> tuple[float, float, float]:
 
 def _parts(name: str, one: Field, model: Model) -> list[LoadCase]:
     """The loads of a case, at their characteristic values."""
-    given = one.get("load", name)
-    each = list(given.elements()) if isinstance(given.value, list) else [given]
+    each = _words(name, one)
     parts = [_acting(word, one, model) for word in each]
     if one.get("shaken", False).boolean():
         parts = [with_shaken_weights(model.assembly, part) for part in parts]
     if one.has("blocks") and "gravity" not in [word.text() for word in each]:
         raise one["blocks"].error("restricts gravity only", 'write load = "gravity"')
     if not parts:
-        raise given.error("is empty", "name a load")
+        raise one["load"].error("is empty", "name a load")
     return parts
+
+
+def _words(name: str, one: Field) -> list[Field]:
+    """Of the loads of a case."""
+    given = one.get("load", name)
+    return list(given.elements()) if isinstance(given.value, list) else [given]
 
 
 def _acting(word: Field, one: Field, model: Model) -> LoadCase:

@@ -1,6 +1,7 @@
 """Combinations of actions: their factors, the one that governs, and what is refused."""
 
 import hashlib
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -207,6 +208,21 @@ def test_the_weight_of_a_block_acts_once_in_a_combination(
         read_combinations(written(tmp_path, text), model)
     assert "leave out one" in str(refused.value)
     assert "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize("share", [0.9, 1.0])
+def test_a_roof_that_weighs_as_much_as_its_block_is_no_second_weight(
+    share: float, tmp_path: Path
+) -> None:
+    column = tower(3)
+    force = share * LoadCase.gravity(column).wrench[2, :3]
+    roof = replace(LoadCase.point_load(column, "block-2", force), name="roof")
+    models = STACK, Model(column, Model.of(column).contacts, cases=(roof,))
+    words = f"block-1:{-force[2]}N", "roof"
+    for model, word in zip(models, words, strict=True):
+        case = f'[case.roof]\nkind = "permanent"\nload = "{word}"\n'
+        found = read_combinations(written(tmp_path, WEIGHT, case), model)
+        assert found[0].load.wrench[-1, 2] == pytest.approx(-1.35 * 23544.0 * (1.0 + share))
 
 
 def test_a_load_of_the_model_without_weight_and_parts_of_the_weight_are_no_second_weight(
