@@ -235,11 +235,13 @@ def _carried_load(model: Model, assembly: Assembly, kept: Ints) -> LoadCase:
 
 
 def acceleration_of(model: Model) -> Floats:
-    """The acceleration (3,) [m/s2] of most blocks of a model.
+    """The acceleration (3,) [m/s2] of all masses; where the load does not know it, of most blocks.
 
-    Blocks whose load has a moment about the centroid carry more than their weight. They are ignored
-    unless all blocks have one.
+    Blocks whose load has a moment about the centroid carry more than their weight. They are then
+    ignored, unless all blocks have one.
     """
+    if model.load.acceleration.any():
+        return model.load.acceleration
     wrench, mass = model.load.wrench, model.assembly.mass
     arm = np.linalg.norm(wrench[:, 3:], axis=1) / model.assembly.size
     plain = arm <= 1e-9 * np.linalg.norm(wrench[:, :3], axis=1)

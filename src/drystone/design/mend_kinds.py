@@ -10,6 +10,7 @@ from functools import partial
 import numpy as np
 
 from drystone.base.arrays import Floats, Ints, lengths
+from drystone.base.display import rounded_up
 from drystone.base.errors import InputError, counted
 from drystone.base.units import quantity
 from drystone.design.bench import Bench, Held, Tried
@@ -30,14 +31,17 @@ from drystone.design.margin import LARGE_REGION, SMALL_REGION, DesignMargin
 from drystone.design.needs import SEARCHED, props_of, pulls_of_region
 from drystone.design.proposals import KnownNeeds, Proposals, Take, Tries, held_by
 from drystone.design.props import PropSeat, carries, find_props, struts
+from drystone.design.search import least
 from drystone.design.words import force_words, glue_words, listed, names_of, place, towards
+from drystone.loads import LoadCase
 from drystone.model import Model
 from drystone.supports import laid_ground
 from drystone.ties import tied
 
 _FIRST = 6
 """Number of struts of one block that are tried, the shortest first, and of pairs of blocks between
-which a tie is tried, those that move apart fastest first."""
+which a tie is tried: those that move apart fastest, that with the least pull times length by
+virtual work first."""
 
 _SLID = (0.2, 0.5, 1.0)
 """Slides that are tried before the least one is searched, by the way to the middle of the joint. It
@@ -83,7 +87,7 @@ def _prop(asked: KnownNeeds) -> Proposals:
         yield f"no prop holds it: tried were {found.tried}"
         return
 
-    words = partial(_prop_words, bench.local, seats)
+    words = partial(_prop_words, bench, seats)
     change = Change.single("prop", props_at(seats), "", added=len(seats))
     told = partial(_by_force, bench, len(seats), words)
     yield Tries([change], "the best props do not keep the margin", told=told)
@@ -93,13 +97,12 @@ _TOLD = 4
 """Props of a mend that are told. Chosen: 26 filled a screen and covered the picture."""
 
 
-def _prop_words(model: Model, seats: Sequence[PropSeat], forces: Floats, points: Floats) -> str:
+def _prop_words(bench: Bench, seats: Sequence[PropSeat], forces: Floats, points: Floats) -> str:
     """Props with their forces [N] and places [m] as text; equal forces are told once.
 
     Of many the largest: the mended model has a block for each.
     """
-    each = [force_words(force) for force in forces]
-    where = []
+    each, model, where = [force_words(force) for force in forces], bench.local, list[str]()
     for seat, force, point in zip(seats, forces, points, strict=True):
         side = "under" if carries(model, seat.block, force) else "against"
         where.append(f"{side} {names_of(model, [seat.block])} at {place(point)}")
@@ -111,7 +114,9 @@ def _prop_words(model: Model, seats: Sequence[PropSeat], forces: Floats, points:
         told = [told[i] for i in order[: _TOLD - 1]]
         told.append(f"and {len(seats) - len(told)} with less")
     some = ", ".join(told)
-    return f"a prop of {some}" if len(seats) == 1 else f"{len(seats)} props: {some}"
+    if len(seats) > 1:
+        return f"{len(seats)} props: {some}"
+    return f"a prop of {some}{_steady(bench, seats[0].block, forces[0], points[0])}"
 
 
 def _by_force(
@@ -124,6 +129,21 @@ def _by_force(
     if bench.margin != DesignMargin():
         told += ": the largest force at the margin"
     return Change.single(change.kind, make, told, total, added=change.added), total
+
+
+def _steady(bench: Bench, block: int, force: Floats, point: Floats) -> str:
+    """The least steady force that holds a region which a prop holds that cannot give way."""
+    if bench.large or bench.margin != DesignMargin():
+        return ""
+    local = bench.local
+    push = LoadCase.point_load(local.assembly, block, force, point)
+
+    def stands(share: float) -> bool:
+        return bench.keeps_margin(local.with_load(local.load + share * push), quick=True)
+
+    share = least(stands, (1.0,))
+    size = quantity(rounded_up((share or 0.0) * math.hypot(*force), 2), "N")
+    return f"; a steady force of {size} there balances it" if share else ""
 
 
 def _tie(asked: KnownNeeds) -> Proposals:
@@ -142,6 +162,9 @@ def _tie(asked: KnownNeeds) -> Proposals:
         yield "no blocks move apart"
         return
 
+    def bulk(pair: tuple[float, int, int]) -> float:
+        return float(np.linalg.norm(centroid[pair[1]] - centroid[pair[2]])) / pair[0]
+
     def make(ends: tuple[int, int], model: Model, blocks: Ints, _: Ints) -> Model:
         return tied(model, int(blocks[ends[0]]), int(blocks[ends[1]]))
 
@@ -159,7 +182,7 @@ def _tie(asked: KnownNeeds) -> Proposals:
             f"{names_of(local, [i, j])}, {np.linalg.norm(centroid[i] - centroid[j]):.3g} m apart",
             added=1,
         )
-        for _, i, j in sorted(apart, reverse=True)[:_FIRST]
+        for _, i, j in sorted(sorted(apart, reverse=True)[:_FIRST], key=bulk)
     ]
     why = f"a tie between blocks that move apart, of {counted(len(changes), 'pair')}"
     yield Tries(changes, why, Take.FIRST, told=told)
@@ -303,11 +326,14 @@ def _thicker(asked: KnownNeeds) -> Proposals:
         ground = laid_ground(local)
         fixed = [i for i in np.flatnonzero(local.fixed).tolist() if i != ground]
         beside = names_of(bench.local, fixed) if fixed else ""
-        size = lengths(np.array([thickness_of(bench.local, i)[1] for i in bench.own]))
+        across = np.array([thickness_of(bench.local, i)[1] for i in bench.own])
+        size = lengths(across)
         least, most = (quantity(size.min() * by, "m") for by in (1.0, 1.0 + share))
         some = "" if size.max() < 1.01 * size.min() else "the thinnest "
         told = f"{names} thicker by {100.0 * share:.0f} %, {some}from {least} to {most}, "
         told += "half of it on each of the two largest free faces"
+        if (np.abs(across @ across[0]) > 0.99 * size * size[0]).all():
+            told += f", along {towards(across[0]).lstrip('+-')}"
         return f"{told}; they overhang {beside} where these are no wider" if beside else told
 
     why = f"{listed([f'{100.0 * share:g}' for share in _SHARES])} % more thickness"

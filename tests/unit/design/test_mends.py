@@ -372,6 +372,7 @@ def test_the_force_of_a_prop_is_the_largest_one_at_the_margin() -> None:
     assert firm.change.value == pytest.approx(1.5 * plain.change.value, rel=1e-6)
     assert "N (up) under 'out' at " in firm.change.description
     assert firm.change.description.endswith(" m: the largest force at the margin")
+    assert "a steady force of " in plain.change.description
     assert "margin" not in plain.change.description
 
 

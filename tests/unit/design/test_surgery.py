@@ -178,6 +178,12 @@ def test_loads_that_are_no_weight_stay_where_they_act() -> None:
     np.testing.assert_allclose(made.load.wrench[1, :3], [100.0, 0.0, -weight])
     arm = np.array([0.5, 0.0, 2.0]) - made.assembly.centroid[1]
     np.testing.assert_allclose(made.load.wrench[1, 3:], np.cross(arm, [100.0, 0.0, 0.0]), atol=1e-9)
+    # a push on every block, as of earth, is no weight either
+    loose = assembly.with_fixed([])
+    below = LoadCase.moment(loose, "block-0", (0.0, 10.0, 0.0))
+    pushed = Model.of(loose, load=LoadCase.gravity(loose) + push + below, friction=0.6)
+    thick = thicken_blocks(pushed, [1], 0.5)
+    assert thick.load.wrench[1, 0] == pytest.approx(100.0)
 
 
 def glued_tower() -> Model:
