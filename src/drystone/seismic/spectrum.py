@@ -484,12 +484,14 @@ class Turning(OneLine):
     def moments(self) -> Table:
         """What holds the part and what 1 g turns it by, as moments about the line.
 
-        Each force acts so far behind the line and above it. The sum of what holds by that of what
-        turns is alpha 0.
+        Each force acts so far behind the line, along the earthquake, and above it there. The sum of
+        what holds by that of what turns is alpha 0.
         """
         shaken = self.weight[:, None] * self.along
         force, place = np.vstack([self.force, shaken]), np.vstack([self.place, self.mass_place])
-        arm = place - self.origin
+        across = np.cross([0.0, 0.0, 1.0], self.along)
+        arm = place - self.origin  # from the point of the line that is along the earthquake
+        arm = arm - np.outer(arm @ across / (self.axis @ across), self.axis)
         turned = np.cross(arm, force) @ self.axis
         pushes = np.arange(len(force)) >= len(self.force)
         held, turned = np.where(pushes, 0.0, -turned), np.where(pushes, turned, 0.0)

@@ -168,6 +168,15 @@ def test_a_corner_turns_about_a_line_across_the_diagonal() -> None:
         assert found.oscillator.multiplier == pytest.approx(math.sqrt(0.5) / 2.0)
 
 
+def test_what_is_behind_an_oblique_line_is_so_along_the_earthquake() -> None:
+    """The line x = 0.4 + (y - 1)/2 about a wall whose middle is at x = 0.2, y = 1."""
+    line = (-0.1, 0.0, 0.0, 0.9, 2.0, 0.0)
+    found = local_mechanism(courses(1, 0.4, 3.0), part="wall-0", line=line)
+    assert found.moments is not None
+    assert found.moments["behind"] == pytest.approx(0.2)
+    assert found.oscillator.multiplier == pytest.approx(0.2 / 1.5)
+
+
 def test_a_line_within_the_bed_turns_a_part_sooner_and_is_told() -> None:
     """The wall of 0.5 x 3 m about a line 0.1 m behind its edge: 0.15 / 1.5."""
     found = local_mechanism(courses(6), part="wall-*", line=(0.4, 0, 0, 0.4, 1, 0))
