@@ -62,7 +62,7 @@ class SurfaceRequest:
         str | None,
         Option(
             "Sides that a mesh stands on: bottom, top, left, right; separated by commas (the "
-            "bottom and those as low).",
+            "bottom and those that rise no higher).",
             MODEL,
             expert=True,
         ),
@@ -185,7 +185,8 @@ def _from_mesh(wanted: SurfaceRequest) -> Surface:
     if supports is None:
         sides = _foot(fit.patch)
         names = ", ".join(side.value for side in sides)
-        told = f"stands on its lowest sides ({names}: names, not heights), assumed"
+        low = "its lowest sides" if len(sides) > 1 else "one side alone, its lowest"
+        told = f"stands on {low} ({names}: names, not heights), assumed"
         notes.append(f"{told}: --supports names others")
     else:
         sides = [_side(text) for text in supports.split(",")]
@@ -230,14 +231,12 @@ def _vaults(wanted: SurfaceRequest, points: Floats, faces: Sequence[Sequence[int
 
 
 def _foot(patch: Patch) -> list[Side]:
-    """The bottom, and the other sides that lie as low."""
+    """The bottom, and the other sides that rise no higher."""
     from drystone.shells import Side
 
     along = np.linspace(0.0, 1.0, 33)
-    height = {side: patch.border(side, along)[:, 2] for side in Side}
-    lowest = min(float(z.min()) for z in height.values())
-    low = [side for side, z in height.items() if z.max() - lowest <= _FOOT * patch.size]
-    return low if Side.BOTTOM in low else [Side.BOTTOM, *low]
+    top = {side: float(patch.border(side, along)[:, 2].max()) for side in Side}
+    return [side for side in Side if top[side] <= top[Side.BOTTOM] + _FOOT * patch.size]
 
 
 def _width(*patches: Patch) -> float:

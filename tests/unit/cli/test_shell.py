@@ -115,16 +115,20 @@ def test_a_mesh_file_is_a_surface(barrel_file: str, capsys: Capsys) -> None:
 
 
 def test_assumed_supports_of_a_mesh_are_told(barrel_file: str, capsys: Capsys) -> None:
-    """The barrel stands on its two long sides, one of which is the bottom."""
-    arguments = ["shell", barrel_file, "--courses", "9", "--blocks", "3", "--thickness", "0.4"]
-    code, told = answer(capsys, *arguments)
-    assert code == 0
-    assert told["shell"]["supports"] == ["patch 0, bottom", "patch 0, top"]
+    """Both long sides, which rise by 0.4 m in their middle: neither is lower than the other."""
+    path = Path(barrel_file)
+    bent = []
+    for line in path.read_text().splitlines():
+        word = line.split()
+        if word[0] == "v":
+            x, y, z = map(float, word[1:])
+            line = f"v {x} {y} {z + 0.1 * y * (4.0 - y)}"
+        bent.append(line)
+    path.write_text("\n".join(bent))
+    assert main(["shell", barrel_file, "--courses", "9", "--blocks", "3"]) == 0
+    told = " ".join(capsys.readouterr().out.split())
     note = "stands on its lowest sides (bottom, top: names, not heights), assumed: "
-    note += "--supports names others"
-    assert told["notes"][1] == note
-    assert main(arguments) == 0
-    assert note in " ".join(capsys.readouterr().out.split())
+    assert note + "--supports names others" in told
 
 
 def test_the_numbers_of_a_mesh_file_have_a_unit(barrel_file: str, capsys: Capsys) -> None:
