@@ -17,12 +17,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.assembly import DEFAULT_DENSITY
+from drystone.assembly import DEFAULT_DENSITY, Assembly
 from drystone.base.arrays import SAME, Floats, Ints
 from drystone.base.errors import FormatError
 from drystone.base.files import write_bytes
 from drystone.base.ragged import Ragged
-from drystone.geometry.triangulate import fan_warped, point_owners, triangulate
+from drystone.geometry.triangulate import fan_warped, triangulate
 from drystone.io.draft import Contents, Draft, DraftBlock
 from drystone.io.face_soup import FaceSoup, in_double, moved, named_apart, shapes_of
 from drystone.io.jsontext import Field, parse
@@ -322,18 +322,23 @@ class GlbParts:
         return b"".join([head, parts[0], text, parts[1], *self.binary])
 
 
+def block_meshes(assembly: Assembly) -> list[tuple[Floats, Ints]]:
+    """Points (p, 3) [m] and triangles (t, 3) of each block; warped faces have a middle."""
+    faces = fan_warped(assembly.faces, SAME)
+    triangle, polygon = triangulate(faces.point[faces.loop], faces.start)
+    made = []
+    for rows in Ragged.from_owners(faces.owner[polygon], len(assembly)):
+        used, index = np.unique(faces.loop[triangle[rows]], return_inverse=True)
+        made.append((faces.point[used], index.reshape(-1, 3)))
+    return made
+
+
 def blocks_of(model: Contents) -> GlbParts:
     """A node and a mesh for each block of a model, by its number."""
     assembly, parts = model.assembly, GlbParts()
-    faces = fan_warped(assembly.faces, SAME)
-    triangle, polygon = triangulate(faces.point[faces.loop], faces.start)
-    corners, owner = faces.loop[triangle], faces.owner[polygon]
-    first = Ragged.from_counts(np.bincount(point_owners(faces), minlength=len(assembly))).start
-    begin = np.searchsorted(owner, np.arange(len(assembly) + 1))
-    points = faces.point @ Z_UP
-    for i, block in enumerate(assembly.blocks):
-        mine = parts.numbers(points[first[i] : first[i + 1]], bounds=True)
-        loops = parts.numbers(corners[begin[i] : begin[i + 1]].ravel() - first[i])
+    for i, (block, mesh) in enumerate(zip(assembly.blocks, block_meshes(assembly), strict=True)):
+        mine = parts.numbers(mesh[0] @ Z_UP, bounds=True)
+        loops = parts.numbers(mesh[1].ravel())
         parts.add("meshes", {"primitives": [{"attributes": {"POSITION": mine}, "indices": loops}]})
         told: dict[str, Any] = {"fixed": bool(assembly.fixed[i]), "density": block.density}
         told |= {"metadata": dict(block.metadata)} if block.metadata else {}

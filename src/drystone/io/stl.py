@@ -12,6 +12,7 @@ import numpy as np
 from drystone.base.arrays import ROUNDING, SAME, Floats, unit
 from drystone.base.errors import FormatError
 from drystone.base.files import decode, lines_of, write_text
+from drystone.base.ragged import Ragged
 from drystone.geometry.triangulate import fan_warped, triangulate
 from drystone.io.draft import Contents, Draft
 from drystone.io.face_soup import FaceSoup, in_double, shapes_of
@@ -123,12 +124,11 @@ def write(model: Contents, path: Path) -> None:
     triangle, polygon = triangulate(faces.point[faces.loop], faces.start)
     corner = faces.point[faces.loop[triangle]]
     normal = unit(np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]))[0]
-    begin = np.searchsorted(faces.owner[polygon], np.arange(len(model.assembly) + 1)).tolist()
+    of_block = Ragged.from_owners(faces.owner[polygon], len(model.assembly))
     lines: list[str] = []
-    for i, block in enumerate(model.assembly.blocks):
+    for block, mine in zip(model.assembly.blocks, of_block, strict=True):
         name = " ".join(block.name.split())
         lines.append(f"solid {name}")
-        mine = slice(begin[i], begin[i + 1])
         for n, points in zip(normal[mine].tolist(), corner[mine].tolist(), strict=True):
             lines.append(" facet normal " + " ".join(f"{x:.9g}" for x in n))
             lines.append("  outer loop")

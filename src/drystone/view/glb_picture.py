@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 
 from drystone.answer.scene import Layer, LayerKind, Scene, SceneStage
-from drystone.base.arrays import SAME, Floats, Ints
+from drystone.base.arrays import Floats, Ints
 from drystone.base.files import write_bytes
-from drystone.geometry.triangulate import fan_warped, triangulate
-from drystone.io.glb import TRIANGLES, Z_UP, GlbParts
+from drystone.geometry.triangulate import triangulate
+from drystone.io.glb import TRIANGLES, Z_UP, GlbParts, block_meshes
 from drystone.results.stage import VIRTUAL
 from drystone.view.drawn_parts import (
     Triangles,
@@ -84,18 +84,13 @@ class _Glb(GlbParts):
     def blocks(self) -> None:
         """A node for each block, about its centroid, below one for each group."""
         assembly = self.scene.assembly
-        faces = fan_warped(assembly.faces, SAME)
-        triangle, polygon = triangulate(faces.point[faces.loop], faces.start)
-        corners, owner = faces.loop[triangle], faces.owner[polygon]
-        begin = np.searchsorted(owner, np.arange(len(assembly) + 1))
+        meshes = block_meshes(assembly)
         for name, colour, blocks in block_groups(self.stage):
             material = self.material(name, colour, self.opacity)
             children = []
             for i in blocks:
-                loops = corners[begin[i] : begin[i + 1]]
-                used, index = np.unique(loops, return_inverse=True)
-                points = faces.point[used] - assembly.centroid[i]
-                mesh = self.mesh(points, index.reshape(loops.shape), material, None)
+                points, corners = meshes[i]
+                mesh = self.mesh(points - assembly.centroid[i], corners, material, None)
                 told = {"fixed": bool(assembly.fixed[i]), "density": assembly.blocks[i].density}
                 node = {
                     "name": assembly.names[i],
