@@ -9,7 +9,7 @@ import numpy as np
 from drystone.assembly import Assembly
 from drystone.base.arrays import Floats
 from drystone.models.simple import box
-from drystone.models.solids import prism, require, sections, welded
+from drystone.models.solids import of_boxes, prism, require, sections, welded
 
 
 def dovetail(
@@ -110,30 +110,16 @@ def bayonet(locked_deg: float = 90.0) -> Assembly:
         box((2.0 * half, half - slot, top - under), (-half, y, under), name)
         for name, y in (("plate-left", -half), ("plate-right", slot))
     ]
-    crossbar = _slab(1.8, 0.4, 0.0, under)
-    shaft = _slab(0.35, 0.35, under, 1.4)
-    shoulder = _sides(crossbar[1], shaft[0])
-    loops = [crossbar[0], *_sides(*crossbar), *shoulder, *_sides(*shaft), shaft[1]]
+    crossbar, shaft = (
+        ((-1.8, -0.4, 0.0), (1.8, 0.4, under)),
+        ((-0.35, -0.35, under), (0.35, 0.35, 1.4)),
+    )
     turn = np.deg2rad(locked_deg)
     about = np.array(
         [[np.cos(turn), -np.sin(turn), 0.0], [np.sin(turn), np.cos(turn), 0.0], [0.0, 0.0, 1.0]]
     )
-    peg = welded(loops, "peg").transformed(about)
+    peg = of_boxes("peg", crossbar, shaft).transformed(about)
     return Assembly((socket, *plates, peg), np.array([True, True, True, False]))
-
-
-def _slab(x: float, y: float, low: float, high: float) -> tuple[Floats, Floats]:
-    """Lower and upper rectangle (4, 3) of a box about the z axis."""
-    flat = np.array([(-x, -y), (x, -y), (x, y), (-x, y)])
-    low_loop, high_loop = (np.column_stack([flat, np.full(4, z)]) for z in (low, high))
-    return low_loop, high_loop
-
-
-def _sides(low: Floats, high: Floats) -> list[Floats]:
-    """Faces (4, 3) between two loops of four corners."""
-    return [
-        np.array([low[i], low[j], high[j], high[i]]) for i, j in ((0, 1), (1, 2), (2, 3), (3, 0))
-    ]
 
 
 STICKS: dict[str, tuple[int, int]] = {

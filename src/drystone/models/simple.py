@@ -11,7 +11,7 @@ import numpy as np
 from drystone.assembly import DEFAULT_DENSITY, Assembly, Block
 from drystone.geometry.frames import rotation_about
 from drystone.geometry.polyhedron import BOX, box_corners
-from drystone.models.solids import prism, rectangle, require, shell_faces, welded
+from drystone.models.solids import of_boxes, prism, require, shell_faces, welded
 
 
 def box(
@@ -210,27 +210,10 @@ def stool(
     require(2.0 * leg < side and seat < height, "the legs do not fit", "make them thinner")
     under = height - seat
     inner = side - leg
-    cross = [
-        (leg, 0), (inner, 0), (inner, leg), (side, leg), (side, inner), (inner, inner),
-        (inner, side), (leg, side), (leg, inner), (0, inner), (0, leg), (leg, leg),
-    ]  # fmt: skip
-    portal = [
-        (0, 0), (leg, 0), (leg, under), (inner, under),
-        (inner, 0), (side, 0), (side, height), (0, height),
-    ]  # fmt: skip
-    loops = [
-        rectangle(2, height, (0.0, side), (0.0, side)),
-        np.array([(x, y, under) for x, y in cross]),
-        *(np.array([(x, y, z) for x, z in portal]) for y in (0.0, side)),
-        *(np.array([(x, y, z) for y, z in portal]) for x in (0.0, side)),
-    ]
-    sides = ((leg, (0.0, leg)), (inner, (inner, side)))
-    for (x, xs), (y, ys) in product(sides, repeat=2):
-        loops.append(rectangle(2, 0.0, xs, ys))
-        loops.append(rectangle(0, x, ys, (0.0, under)))
-        loops.append(rectangle(1, y, xs, (0.0, under)))
+    legs = [((x, y, 0.0), (x + leg, y + leg, under)) for x, y in product((0.0, inner), repeat=2)]
+    body = of_boxes("stool", ((0.0, 0.0, under), (side, side, height)), *legs)
     floor = box((2.0 * side, 2.0 * side, leg), (-0.5 * side, -0.5 * side, -leg), "floor")
-    return Assembly((floor, welded(loops, "stool")), np.array([True, False]))
+    return Assembly((floor, body), np.array([True, False]))
 
 
 def random_pack(count: int = 30, seed: int = 0, edge: float = 1.0) -> Assembly:

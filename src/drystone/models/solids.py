@@ -15,7 +15,7 @@ from drystone.assembly import DEFAULT_DENSITY, Block
 from drystone.base.arrays import ROUNDING, Floats, frozen_floats
 from drystone.base.errors import InputError
 from drystone.geometry.coincidence import distinct
-from drystone.geometry.polyhedron import body_mass_properties
+from drystone.geometry.polyhedron import BOX, body_mass_properties, box_corners
 from drystone.geometry.surface import closed_surface
 
 
@@ -111,6 +111,15 @@ def welded(
     volume, _ = body_mass_properties(vertices, surface.fan)
     outward = surface if volume > 0.0 else surface.turned()
     return Block(vertices, outward.loops, name, density)
+
+
+@cache
+def of_boxes(name: str, *boxes: tuple[tuple[float, ...], tuple[float, ...]]) -> Block:
+    """A block of boxes that share parts of faces, each by its lowest and highest corner [m]."""
+    from drystone.geometry.glue import glue  # few models need it
+
+    ((vertices, faces),) = glue([(box_corners(*map(np.array, one)), list(BOX)) for one in boxes])
+    return Block(vertices, tuple(faces), name)
 
 
 def rectangle(axis: int, at: float, first: Sequence[float], second: Sequence[float]) -> Floats:
