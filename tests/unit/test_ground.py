@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from drystone import Assembly, InputError, Model, check
+from drystone import Assembly, Block, InputError, Model, check
 from drystone.answer.drawing import load_layers
 from drystone.geometry.frames import rotation_about
 from drystone.limits import LimitOptions, limit_load, limit_train
@@ -182,6 +182,25 @@ def test_a_spandrel_wall_is_pressed_above_the_arch_and_below_the_road(
     each = np.diff(line[:, 0]) * (deep[1:] ** 2 + deep[1:] * deep[:-1] + deep[:-1] ** 2) / 6.0
     push = Tops.of(bridge, fill).pressed(1.0, 0.4)[-2:, :3] @ turn
     assert push[:, 1] == pytest.approx(0.4 * 2e4 * each.sum() * np.array([-1.0, 1.0]), rel=1e-3)
+
+
+@pytest.mark.parametrize("batter", [0.0, 0.02, 0.045])
+def test_a_battered_wall_over_an_extrados_that_slopes_is_pressed_up_to_the_road(batter: float):
+    """K w h^2 / 2 of 1 m of slope 0.5; near the road the foot is farther away than 0.1 h."""
+
+    def moved(made: Block, top: float, face: float) -> Block:
+        x, y, z = made.vertices.T
+        z = np.where(z > z.min(), top, 0.5 * x) if top else np.where(z > z.min(), 0.5 * x, z)
+        y = np.where(y == face, face + np.sign(2.0 - face) * batter * (1.9 - z), y)
+        return Block(np.column_stack([x, y, z]), made.faces, made.name)
+
+    deck = moved(box((1.0, 4.0, 1.0), (0.0, 0.0, -1.0), "deck"), 0.0, 9.0)
+    south = moved(box((1.0, 0.4, 1.0), (0.0, 0.0, 0.0), "south"), 1.9, 0.4)
+    north = moved(box((1.0, 0.4, 1.0), (0.0, 3.6, 0.0), "north"), 1.9, 3.6)
+    fill = Fill(cover=0.1, weight=2e4, k=0.3, between=(0.4, 3.6))
+    push = fill.on(Assembly([deck, south, north])).wrench[1:, 1]
+    outwards = 0.3 * 2e4 * (0.6**3 - 0.1**3) / (6.0 * 0.5)
+    assert push == pytest.approx([-outwards, outwards])
 
 
 def test_a_face_that_goes_on_above_the_road_is_pressed_below_it_only() -> None:

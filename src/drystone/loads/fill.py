@@ -214,6 +214,8 @@ class Tops:
         Level of the road at ``middle``.
     middle : [m]
         Of the bridge, along the road.
+    battered
+        Sides of a bridge that are seen from above: they lean away from what lies before them.
     """
 
     assembly: Assembly
@@ -221,14 +223,16 @@ class Tops:
     strips: SeenStrips
     road: float
     middle: float
+    battered: SeenStrips
 
     @classmethod
     def of(cls, assembly: Assembly, fill: Fill) -> Self:
         """Those of an assembly."""
         strips = SeenStrips.of(assembly, _road_axes(assembly))
-        strips = strips.chosen(~_plumb(strips))  # those are seen from beside
         if fill.between is not None:
             strips = strips.across(*fill.between)
+        plumb = _plumb(strips)  # those are seen from beside
+        battered, strips = strips.chosen(plumb), strips.chosen(~plumb)
         free = ~assembly.fixed[strips.block]
         if not free.any():
             raise InputError(
@@ -236,8 +240,9 @@ class Tops:
             )
         road = float(strips.highest[free].max()) + fill.cover
         made = cls(
-            assembly, fill, strips, road, 0.5 * float(strips.t[free].min() + strips.t[free].max())
-        )
+            assembly, fill, strips, road,
+            0.5 * float(strips.t[free].min() + strips.t[free].max()), battered,
+        )  # fmt: skip
         over = strips.highest[free] - made.level(strips.t[free])
         if over.max() > 1e-9 * made.breadth:
             at = int(over.max(axis=1).argmax())
@@ -273,6 +278,7 @@ class Tops:
         ends = np.clip(ends, low - self.breadth, high + self.breadth)
         lines = shapely.linestrings(np.stack([np.stack([t, t], 1), ends], axis=2))
         face, top = self._plan.query(lines, "intersects")
+        face, top = face[top < len(self.strips.t)], top[top < len(self.strips.t)]
         held = np.zeros(len(block), dtype=bool)
         held[face[self.strips.highest[top].max(axis=1) > r[face]]] = True
         if not held.all():
@@ -398,10 +404,11 @@ class Tops:
         return self.sides if self.fill.between is None else np.array(self.fill.between)
 
     def _lower(self, at: Floats) -> Bools:
-        """Whether there is a top below points (m, 3) [m] along the axes."""
+        """Whether there is a top or a battered face below points (m, 3) [m] along the axes."""
+        seen = self.strips._and([self.battered])
         point, top = self._plan.query(shapely.points(at[:, :2]), "intersects")
         found = np.zeros(len(at), dtype=bool)
-        each, x, y = self.strips.chosen(top), *at[point, :2].T
+        each, x, y = seen.chosen(top), *at[point, :2].T
         share = ((x - each.t[:, 0]) / np.ptp(each.t, axis=1))[:, None]
         s, r = (one[:, 0] + (share * np.diff(one))[:, 0] for one in (each.s, each.r))
         found[point[r + each.slope[:, 1] * (y - s) < at[point, 2]]] = True
@@ -409,7 +416,9 @@ class Tops:
 
     @cached_property
     def _plan(self) -> shapely.STRtree:
-        t, s, width = self.strips.t, self.strips.s, self.strips.width
+        """Outlines of the strips, then of the battered ones."""
+        seen = self.strips._and([self.battered])
+        t, s, width = seen.t, seen.s, seen.width
         low, high = s - 0.5 * width, s + 0.5 * width
         corner = np.concatenate([np.stack([t, low], 2), np.stack([t, high], 2)[:, ::-1]], axis=1)
         return shapely.STRtree(shapely.polygons(corner))
