@@ -86,7 +86,7 @@ class Inspection(Answer):
 
     @cached_property
     def asked(self) -> Question:
-        """The file, and the blocks that can be used."""
+        """The file, and the blocks that can be used; contacts found anew have no friction yet."""
         known = self.usable is not None
         asked = (
             Question.of(self.model, made=self.when)
@@ -94,7 +94,8 @@ class Inspection(Answer):
             else Question.of_nothing(made=self.when)
         )
         sha256 = digest(self.file) if Path(self.file).is_file() else ""
-        return replace(asked, load="", acceleration=(), file=self.file, sha256=sha256)
+        asked = asked.without("load", "acceleration", "friction")
+        return replace(asked, file=self.file, sha256=sha256)
 
     @property
     def _blocks(self) -> list[Block]:

@@ -318,6 +318,7 @@ def test_inspect_lists_blocks_defects_and_contacts(tmp_path: Path, capsys: Capsy
     out, _ = capsys.readouterr()
     assert "2 blocks, 0 of them fixed" in out
     assert "· 2 blocks ·" in out
+    assert "friction" not in out, "contacts are found anew: the file may say another one"
 
 
 def test_inspect_sweeps_the_gap_and_draws_what_was_missed(tmp_path: Path, capsys: Capsys) -> None:
