@@ -217,7 +217,9 @@ def read_combinations(path: PathLike, model: Model) -> list[Combination]:
     standard = _standard(top)
     actions = tuple(_action(name, one, model, standard) for name, one in top["case"].items())
     _refuse_missing_load(top["case"], actions, model)
-    made = [one for each in _situations(top, standard) for one in _combined(each, actions)]
+    situations = _situations(top, standard)
+    _refuse_without_situation(top, actions, situations)
+    made = [one for each in situations for one in _combined(each, actions)]
     if not made:
         raise top.error("gives no combination", "add cases, or situations that they belong to")
     if len(made) > _MOST:
@@ -249,6 +251,18 @@ def _refuse_missing_load(cases: Field, actions: Sequence[Action], model: Model) 
             'write load = "model" in a case, or leave out --gravity, --seismic, --load and --case '
             "(for a load in the file: give --gravity 9.81)",
         )
+
+
+def _refuse_without_situation(
+    top: Field, actions: Sequence[Action], situations: Sequence[Situation]
+) -> None:
+    """Refuse an event that no situation calls up: it would act in no combination."""
+    never = set(_KINDS[2:]) - {one.event for one in situations}
+    for one in (one for one in actions if one.kind in never):
+        own = f'add a [[situation]] with event = "{one.kind}"'
+        remedy = own if top.has("situation") else f'add "{one.kind}" to situations'
+        told = f"is {one.kind}, and no situation calls it up"
+        raise top["case"][one.name].error(told, f"{remedy}, or leave the case out")
 
 
 def _refuse_weight_twice(

@@ -28,6 +28,8 @@ kind = "variable"
 psi = [0.7, 0.5, 0.3]
 load = "block-1:{},0,0N"
 """
+QUAKE = '[case.quake]\nkind = "seismic"\nload = "seismic:0.1"\n'
+OWN = '[[situation]]\nname = "own"\npermanent = [1, 1]\nleading = [1, -1]\nothers = [1, 0]\n'
 STACK = Model.of(tower(2), friction=2.0)
 """A cube of 1 m and 23,544 N on a cube."""
 
@@ -151,6 +153,8 @@ def test_cases_are_those_of_the_file_of_the_model_too(tmp_path: Path) -> None:
         (WEIGHT + 'blocks = "block-0"', "block 'block-1' has no permanent load"),
         ("situations = []", "'case' is missing"),
         ("[case", "is not TOML"),
+        ('situations = ["EQU"]' + WEIGHT + QUAKE, 'seismic, .*; add "seismic" to situations, or'),
+        (OWN + WEIGHT + QUAKE, 'case.quake: is seismic, .* a [[situation]] with event = "seismic"'),
     ],
 )
 def test_what_contradicts_or_is_not_known_is_refused_in_one_line(
