@@ -65,15 +65,15 @@ def measured(
     1500.0
     """
     match = NUMBER.fullmatch(text)
-    if match is not None and match[2] and match[2] not in units:
+    typed, unit = (math.nan, "") if match is None else (float(match[1]), match[2])
+    if unit and unit not in units:
         raise InputError(
-            f"unit '{match[2]}' is not known", where=what, remedy=f"use one of {', '.join(units)}"
+            f"unit '{unit}' is not known", where=what, remedy=f"use one of {', '.join(units)}"
         )
-    factor = None if match is None else units[match[2]] if match[2] else plain
-    value = math.nan if match is None or factor is None else float(match[1]) * factor
+    factor = units[unit] if unit else plain
+    value = math.nan if factor is None else typed * factor
     if not math.isfinite(value):
-        typed = math.inf if match is None or math.isinf(value) else float(match[1])
-        size = f"{typed:.12g}" if math.isfinite(typed) else "0.15"
+        size = "0.15" if math.isnan(typed) or math.isinf(value) else f"{typed:.12g}"
         examples = [f"{size}{unit}" for unit in ("", *units)][plain is None : 4]
         raise InputError(
             f"{what} '{text}' is not a number with a unit",

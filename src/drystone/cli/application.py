@@ -287,16 +287,16 @@ def _is_of_ctrl_c(error: BaseException | None) -> bool:
 def _in_our_words(error: click.UsageError) -> output.UsageFault:
     """A wrong option or argument as an InputError, from the error of the parser."""
     ctx = error.ctx
+    params = [] if ctx is None else ctx.command.params
     if isinstance(error, click.NoSuchOption):
         what = f"there is no option '{error.option_name}'"
-        known = [] if ctx is None else [name for one in ctx.command.params for name in one.opts]
+        known = [name for one in params for name in one.opts]
         return output.UsageFault(what, remedy=_meant(error.option_name, known, ctx))
     if isinstance(error, click.MissingParameter):
         return output.UsageFault(
             "is missing", where=kinds.named(error.param), remedy=kinds.see(ctx)
         )
     if isinstance(error, click.BadOptionUsage):
-        params = [] if ctx is None else ctx.command.params
         flags = [name for one in params if getattr(one, "is_flag", False) for name in one.opts]
         what = "takes no value" if error.option_name in flags else "needs a value"
         return output.UsageFault(what, where=error.option_name, remedy=kinds.see(ctx))

@@ -168,20 +168,17 @@ class Limit(LimitValues, Answer):
     @property
     def title(self) -> str:
         """Up to which value it stands."""
-        stands = self.best.stands
-        if stands is None and self._open:
-            return f"Not decided at {self._quantity(self.start)}"
-        if stands is None and self.best.falls == self.start:
-            at = self._quantity(self.start)
-            return f"Falls at {at}, where the search starts: change the model to stand there"
-        if stands is None and not self._known:
-            return "Nothing is known yet"
-        if stands is None:
-            return f"Stands at no {self.quantity.words} that was tried"
-        least = AT_LEAST if self.capped else ""
-        if self.stopped and self.best.falls is None:
-            least = " at least"
-        return f"{self._verb} {self._quantity(stands)}{least}"
+        stands, start = self.best.stands, self._quantity(self.start)
+        if stands is not None:
+            least = AT_LEAST if self.capped else ""
+            least = " at least" if self.stopped and self.best.falls is None else least
+            return f"{self._verb} {self._quantity(stands)}{least}"
+        if self._open:
+            return f"Not decided at {start}"
+        if self.best.falls == self.start:
+            return f"Falls at {start}, where the search starts: change the model to stand there"
+        tried = f"Stands at no {self.quantity.words} that was tried"
+        return tried if self._known else "Nothing is known yet"
 
     @property
     def news(self) -> Role:
