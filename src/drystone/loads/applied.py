@@ -106,12 +106,16 @@ def arms_of_loads(assembly: Assembly, load: LoadCase) -> Floats:
     """Sums (n, 3, 3) [N m] of arms from the centroid of each block times the forces there.
 
     They turn with the block, the forces keep their direction: of a block that has turned by R, the
-    torque has changed by that of (R - 1) times them.
+    torque has changed by that of (R - 1) times them. What presses more down than sideways acts
+    where it enters the block, as a roof; all else where it passes the centroid most closely.
     """
     applied = applied_loads(assembly, load.beside_masses)
     arms = np.zeros((len(assembly), 3, 3))
-    arm = applied.point - assembly.centroid[applied.block]
-    arms[applied.block] = arm[:, :, None] * applied.force[:, None]
+    arm, force = applied.point - assembly.centroid[applied.block], applied.force
+    along = dot(arm, force) / np.maximum(dot(force, force), 1e-300)
+    down = -force[:, 2] > lengths(force[:, :2])
+    arm = arm - np.where(down, 0.0, along)[:, None] * force
+    arms[applied.block] = arm[:, :, None] * force[:, None]
     for one in load.masses:
         arms += one.moment[:, :, None] * (one.gravity + one.shake)
     return arms
