@@ -111,6 +111,7 @@ class Driver(Follower):
         self.base = self.pose
         self.reached = 0.0
         self.measure: Callable[[], tuple[float, float]] = lambda: (self.reached, self.factor)
+        self.way_done: Callable[[], float] = lambda: self.reached
         self.curve: list[tuple[float, float]] = []
         self.moments: dict[int, DrivenState] = {}
         self.most: tuple[int, DrivenState] | None = None
@@ -171,7 +172,7 @@ class Driver(Follower):
     def grow(
         self, load: Floats, arms: Floats, reach: float, tell: Callable[[float], None]
     ) -> Ended:
-        """A load (f, 6) grows until its displacement is ``reach`` or no more load is needed.
+        """A load (f, 6) grows until a block has moved by ``reach`` or no more load is needed.
 
         ``arms`` are those of :func:`turned_load`.
         """
@@ -181,6 +182,7 @@ class Driver(Follower):
             return (*self._next(step, distance=step), None)
 
         first = FIRST * self.bodies.overlap
+        self.way_done = self._gone
         return self._drive(advance, first, reach, tell, lambda: self.factor <= 0.0)
 
     def shift(self, motion: Floats, reach: float, tell: Callable[[float], None]) -> Ended:
@@ -239,13 +241,14 @@ class Driver(Follower):
         """Increments of at most ``most`` until ``reach``, or done, or not to be followed."""
         step, held, calm = first, 0, 0
         stalled, at = 0, -1.0
+        done_so_far, rate = self.way_done(), 1.0
         self.note()
-        while self.reached < reach * (1.0 - 1e-9):
+        while done_so_far < reach * (1.0 - 1e-9):
             if self._late():
                 return Ended.STOPPED
             limit = self._limit()
             self.drag = CARRIED / limit
-            step = min(step, most, reach - self.reached)
+            step = min(step, most, (reach - done_so_far) / rate)
             found, steps, moving = advance(step)
             longest = np.inf if found is None else longest_way(found.motion)
             if found is None or longest > limit:
@@ -266,7 +269,9 @@ class Driver(Follower):
             self.share = 0.0
             self.reached += step
             self.note()
-            tell(self.reached / reach)
+            rate = max((self.way_done() - done_so_far) / step, 1e-300)
+            done_so_far = self.way_done()
+            tell(done_so_far / reach)
             if done():
                 return Ended.SPENT
             if found.response.force[:, 0].max(initial=0.0) > HELD:

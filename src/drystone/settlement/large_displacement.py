@@ -8,7 +8,7 @@ from typing import Any, TypeAlias, Unpack
 
 import numpy as np
 
-from drystone.base.arrays import SAME, Bools, Floats, cross, frozen, frozen_floats
+from drystone.base.arrays import SAME, Bools, Floats, cross, frozen, frozen_floats, lengths
 from drystone.base.declared import Offered
 from drystone.base.errors import InputError
 from drystone.base.progress import Clock
@@ -64,7 +64,7 @@ def push(
     so that the curve goes on beyond the largest load, where a structure of rigid blocks makes most
     of its motion. The displacement at which the factor has fallen to zero is the displacement
     capacity: let go there, the structure falls. Quasi-static: no inertia. The forces keep their
-    direction and act where they did on their blocks, as the table of loads has them. Each increment
+    direction and move with their blocks: those from above where they enter them. Each increment
     needs the one before, so an ``executor`` has nothing to share.
 
     Parameters
@@ -76,8 +76,8 @@ def push(
         case of the file by its name; left out, all masses are pushed along x. In Python a load
         case, or forces on all masses as shares (3,) of their weight at 9.81 m/s2.
     to : [m] > 0, < inf
-        Mean displacement of all forces of the load at which it ends; left out, the mean size of a
-        block.
+        Displacement of the block that moves farthest at which it ends; left out, twice the mean
+        size of a block.
     options
         ``fall``, ``carrier``, ``overlap``, ``tangential``, ``pace`` and ``step_limit`` are used;
         where neither it nor the model chooses a carrier, the moving block carries the ends of
@@ -126,7 +126,7 @@ def push(
         # the displacement along the whole load, by the forces of it that are counted, is their mean
         size = np.linalg.norm(grown[:, :3], axis=1)
         whole = float(np.linalg.norm(grown)) * bodies.length_unit
-        reach = (to or bodies.length_unit) * float(size.sum()) / whole
+        reach = 2.0 if to is None else to / bodies.length_unit
         ended = driver.grow(grown, around, reach, tell)
         moved = block_motions(bodies, (driver.now().pose,))[0][free, :3]
         along = np.abs((grown[:, :3] * moved).sum(axis=1))
@@ -327,6 +327,10 @@ def _said(found: LargeDisplacement, driver: Driver) -> str:
         return f"{peak}; it falls at {far}, '{_mover(driver, found)}' first"
     if found.end is End.HELD:
         return f"nothing gives way at {far}, where it is {last:.4g}{unit}"
+    if found.drive is Drive.LOAD and found.end is End.REACHED:
+        moved = lengths(found.states[-1].positions[:, :3])
+        far = f"'{found.assembly.names[moved.argmax()]}' had moved by {quantity(moved.max(), 'm')}"
+        return f"{peak}; followed until {far}, where it is {last:.4g}"
     why = {End.REACHED: "followed", End.LOST: "no further position was found, followed"}
     told = why.get(found.end, f"{found.stopped}, followed")
     return f"{peak}; {told} to {far}, where it is {last:.4g}{unit}"

@@ -65,6 +65,15 @@ def test_a_block_that_slides_keeps_friction_times_weight() -> None:
     np.testing.assert_allclose(found[-1].positions[1], [0.8, 0, 0, 0, 0, 0], atol=1e-4)
 
 
+def test_a_push_ends_where_the_block_that_moves_farthest_has_gone_so_far() -> None:
+    blocks = [box((9.0, 3.0, 1.0), (-1.0, -1.0, -1.0), "base"), box((1, 1, 1), (4, 0, 0), "stop")]
+    blocks += [box((1, 1, 1), (0, 0, 0), "slides"), box((1, 1, 1), (3, 0, 0), "held")]
+    model = Model.of(Assembly(blocks).with_fixed(["base", "stop"]), friction=0.3)
+    found = push(model, to=0.02)
+    assert found[-1].positions[2:, 0] == pytest.approx([0.02, 0.0], abs=1e-5)
+    assert "followed until 'slides' had moved by 20 mm" in found.message
+
+
 def test_two_blocks_rock_as_one_where_friction_holds_them_together() -> None:
     found = push(stack(2), friction=1.0)
     alpha = float(np.arctan(0.25))
