@@ -119,10 +119,11 @@ def diagnose(
     if answer.stable:
         return Diagnosis(answer, (), frozen(np.zeros((len(model), 6))))
     answer = with_wrenches(answer, clock.late, clock.left_s)
-    if answer.prop is None or not answer.falling:
-        return Diagnosis(answer, (), frozen(np.zeros((len(model), 6))), stopped=clock.reason)
     prop = np.zeros((len(model), 6))
-    prop[list(answer.falling)] = answer.prop[list(answer.falling)]
+    if not answer.falling:
+        return Diagnosis(answer, (), frozen(prop), stopped=clock.reason)
+    if answer.prop is not None:  # else forces balance, and how it settles decides
+        prop[list(answer.falling)] = answer.prop[list(answer.falling)]
     groups = regions_of(model, answer.falling)
     regions: list[Region] = []
     looked = groups[: chosen.regions]
@@ -179,7 +180,9 @@ def _region(
         alone.verdict,
         joints,
         needs,
-        sentence(model, blocks, joints, needs, moving_joints(model, drawn)[0]),
+        sentence(model, blocks, joints, needs, moving_joints(model, drawn)[0])
+        if wrench.any()
+        else words.nothing(answer),
     )
 
 

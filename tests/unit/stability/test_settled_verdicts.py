@@ -10,6 +10,7 @@ import pytest
 from benchmarks.workloads import random_pile
 from drystone import Assembly, CheckOptions, LoadCase, Model, Verdict, check, settle
 from drystone.assembly import replace_block
+from drystone.design import MendOptions, find_mends
 from drystone.geometry.frames import rotation_about
 from drystone.limits.limit_types import every_stiffness
 from drystone.models import box, bridge, concave, cube_curve, h_model, random_pack, wall, wedge
@@ -309,6 +310,14 @@ def test_a_flat_arch_without_friction_is_a_chain_on_its_head(depth: float) -> No
     assert found.falls
     assert "without friction nothing brings it back" in found.message
     assert check(Model.of(flat_arch(depth), friction=0.3)).stable
+
+
+def test_what_falls_though_forces_balance_is_mended() -> None:
+    """No force is missing, so no region was looked at: a little friction holds it."""
+    slippery = Model.of(flat_arch(7.0), friction=0.0)
+    (rough,) = find_mends(slippery, options=MendOptions(kinds="friction")).mends
+    assert rough.result.stable
+    assert rough.change.value <= 0.05
 
 
 def test_what_slides_far_is_followed_whatever_stands_beside_it() -> None:
