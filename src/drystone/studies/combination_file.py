@@ -101,6 +101,9 @@ class Situation(OneLine):
         The kind of action without which it is none: ``accidental`` or ``seismic``.
     friction, strength
         By which the friction of joints and what else they carry are divided.
+    by_parts
+        Whether its permanent factors are those of parts of one action as well, what of it holds and
+        what overturns: cases of their own here.
     """
 
     name: str
@@ -111,6 +114,7 @@ class Situation(OneLine):
     event: str = ""
     friction: float = 1.0
     strength: float = 1.0
+    by_parts: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -351,7 +355,8 @@ def _situations(top: Field, standard: Field) -> list[Situation]:
 
 
 def _situation(one: Field, material: Mapping[str, float]) -> Situation:
-    one.only(("name", "source", "event", "permanent", "leading", "others", "friction", "strength"))
+    factors = "permanent", "leading", "others", "friction", "strength"
+    one.only(("name", "source", "event", *factors, "by_parts"))
     event = one.get("event", "")
     if event.text() not in ("", *_KINDS[2:]):
         raise event.error(f"is '{event.text()}'", "give accidental or seismic")
@@ -368,6 +373,7 @@ def _situation(one: Field, material: Mapping[str, float]) -> Situation:
         event.text(),
         friction,
         strength,
+        one.get("by_parts", False).boolean(),
     )
 
 

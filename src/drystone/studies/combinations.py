@@ -137,11 +137,29 @@ class Combinations(Answer):
         by = one.situation
         divided = f"friction is divided by {by.friction:g}, strength of joints by {by.strength:g}"
         said.append(Sentence(divided))
+        said += [Sentence(one, Role.REMARK) for one in self._not_apart]
         shaken = [Shaken.of(self.governing.assembly, one.load) for one in self.each]
         said += [Sentence(one, Role.REMARK) for one in dict.fromkeys(x.words for x in shaken if x)]
         if self.stopped:
             said.append(Sentence(f"not finished: {self.stopped}", Role.REMARK))
         return said
+
+    @property
+    def _not_apart(self) -> list[str]:
+        """Where one case has all weight, and a situation has factors of its parts."""
+        free = self.model.assembly.free
+        whole = [
+            one.name
+            for one in self.each[0].actions
+            if one.kind == "permanent" and len(free) > 1 and one.load.wrench[free, 2].all()
+        ]
+        names = dict.fromkeys(one.situation.name for one in self.each if one.situation.by_parts)
+        return [
+            f"{by} takes all of '{one}' by one factor: where a part of it holds what another "
+            'overturns make each a case, with load = "gravity" and blocks'
+            for by in names
+            for one in whole
+        ]
 
     def tables(self) -> Sequence[Table]:
         """Each combination, the worst first; the situations, the cases and their loads."""

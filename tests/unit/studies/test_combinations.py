@@ -11,7 +11,7 @@ import drystone
 from drystone import DrystoneError, JointCapacity, LoadCase, Model
 from drystone.cli import main
 from drystone.io.opening import as_model
-from drystone.models import segmental_bridge, tower
+from drystone.models import box, segmental_bridge, tower
 from drystone.report import write_report
 from drystone.report.document import TitleBlock
 from drystone.report.report_sections import document_of
@@ -62,6 +62,24 @@ def test_the_summary_of_a_report_names_the_combination_that_governs(tmp_path: Pa
     found = combinations(STACK, path)
     (told,) = [x for x in document_of([found], TitleBlock()).sections[0].parts if "Does" in str(x)]
     assert "governs: EQU: 0.9 weight + 1.5 push. there: " in str(told)
+
+
+@pytest.mark.parametrize("apart", [False, True])
+def test_equilibrium_of_a_beam_with_a_wall_on_each_end_needs_both_as_cases(
+    apart: bool, tmp_path: Path
+) -> None:
+    """Walls of W at 1.75 m, a pier 0.1 m to each side: 1.1 W 1.65 > 0.9 W 1.85 + 1.1 B 0.1."""
+    pier = box((0.2, 1.0, 1.0), (-0.1, 0.0, 0.0), "pier")
+    beam = box((4.0, 1.0, 0.1), (-2.0, 0.0, 1.0), "beam")
+    walls = (box((0.5, 1.0, 1.5), (x, 0.0, 1.1), f"{x}") for x in (-2.0, 1.5))
+    weight = [WEIGHT.replace("weight", f"w{i}") + f'blocks = "{one}"'
+              for i, one in enumerate(("beam", "-2.0", "1.5"))]  # fmt: skip
+    path = written(tmp_path, 'situations = ["EQU"]', *(weight if apart else [WEIGHT]))
+    model = Model.of(drystone.Assembly([pier, beam, *walls], [True, False, False, False]))
+    found = combinations(model, path, needed_of="none")
+    told = " ".join(one.text for one in found.sentences())
+    said = "EQU takes all of 'weight' by one factor" in told
+    assert (found.code == 0, said) == (not apart, not apart)
 
 
 def test_friction_and_strength_are_divided(tmp_path: Path) -> None:
