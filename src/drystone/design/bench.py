@@ -45,11 +45,14 @@ class Tried(OneLine):
         What was tried, and how far.
     skipped
         Where it was not tried: on so many blocks, or with blocks that are kept.
+    less
+        The mend that holds with a smaller margin, and that margin; empty where none was found.
     """
 
     kind: str
     what: str
     skipped: str = ""
+    less: str = ""
 
 
 _HARD = 3.0
@@ -110,6 +113,7 @@ class Bench:
         self.own = list(range(len(region)))
         self.large = len(region) > LARGE_REGION
         self.tried: list[Tried] = []
+        self.near = False  # whether a change holds the region without the margin
         self.rests: Near = []
 
     def stands(self, make: Surgery, near: Near | None = None, beyond: Sequence[int] = ()) -> bool:
@@ -258,7 +262,8 @@ class Bench:
             changed = self.changed(make)
         except InputError:
             return None
-        prop = quick_check(changed, self.stop).prop
+        result = quick_check(changed, self.stop)
+        self.near, prop = self.near or result.stable, result.prop
         load = np.linalg.norm(changed.load.wrench[changed.assembly.free, :3], axis=1).sum()
         if prop is None or load == 0.0:
             return None

@@ -147,6 +147,29 @@ class DesignMargin(Options):
             given[name] = number
         return cls(**given)
 
+    def eased(self, less: float) -> DesignMargin:
+        """The same without a share of it, from 0 to 1."""
+        kept = 1.0 - less
+        load, friction = 1.0 + kept * (self.load - 1.0), 1.0 - kept * (1.0 - self.friction)
+        return replace(self, tilt=kept * self.tilt, load=load, friction=friction)
+
+    @property
+    def words(self) -> str:
+        """What :meth:`of_words` reads; empty where there is none.
+
+        Examples
+        --------
+        >>> DesignMargin(tilt=2.0, friction=0.9).words
+        'tilt=2deg friction=0.9x'
+        """
+        parts = (
+            f"tilt={self.tilt:.4g}deg" if self.tilt else "",
+            f"load={self.load:.4g}" if self.load != 1.0 else "",
+            f"friction={self.friction:.4g}x" if self.friction != 1.0 else "",
+            "" if self.robust else "sensitive",
+        )
+        return " ".join(part for part in parts if part)
+
     def cases(self, model: Model) -> list[Model]:
         """The model in each additional case in which it must stand."""
         return list(self._cases(model).values())

@@ -226,6 +226,8 @@ class Mends(Answer):
             falls = "it falls" if self.diagnosis.result.falls else self.diagnosis.result.verdict
             verdict = replace(verdict, text=f"STANDS; {self.case} {falls}")
         failed = [Sentence(self._failed(), Role.REMARK)] if self.tried else []
+        near = [f"less than the margin: {one.less}" for _, one in self.tried if one.less]
+        failed += [Sentence(text, Role.REMARK) for text in near]
         mends = [Sentence(text) for text in self._listed()]
         reasons = [one for one in reasons if one.text not in (self.message, NOTHING)]
         said = [verdict, Sentence(self.message), *mends, *failed, *reasons]

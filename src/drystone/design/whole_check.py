@@ -21,7 +21,7 @@ from drystone.design.diagnosis import Region
 from drystone.design.margin import DesignMargin
 from drystone.design.mend_kinds import holding
 from drystone.design.proposals import KnownNeeds
-from drystone.design.search import least
+from drystone.design.search import bracket, least
 from drystone.model import Model
 from drystone.results import Result, Verdict
 
@@ -30,6 +30,10 @@ JOINT, ADDED, VOLUME, FRICTION = 1.0, 2.0, 10.0, 5.0
 an increase of a friction coefficient by 1. Chosen: to change a joint costs less than an additional
 part, and a tenth of the volume costs as much as a joint. Where no value makes it stand for all
 contact stiffnesses that are asked for, standing after settling costs as much as an added part."""
+
+
+_PARTS = 16
+"""Parts of a margin of which fewer are tried, where it is not kept. Chosen: four searches."""
 
 
 def mends_of_kind(
@@ -44,8 +48,38 @@ def mends_of_kind(
 ) -> tuple[list[Changed], list[Tried]]:
     """The mends of one kind for a region, and what was tried without success.
 
-    ``motion`` (n, 6) is the first one of all blocks; ``held`` are blocks of other regions.
+    Where a kind holds it without the margin only, the largest part of the margin that it keeps is
+    searched. ``motion`` (n, 6) is the first one of all blocks, ``held`` are those of other regions.
     """
+    made, bench = _of_kind(model, motion, region, margin, keep, held, clock, kind)
+    if made or bench.large or not bench.near or margin == margin.eased(1.0):
+        return made, bench.tried
+    told = ""
+
+    def holds(less: float) -> bool:
+        nonlocal told
+        part = margin.eased(less)
+        found = _of_kind(model, motion, region, part, keep, held, clock, kind)[0]
+        if found:
+            kept = min((one.change for one in found), key=lambda one: one.cost)
+            told = f"with {part.words}: {kept.description} (cost {kept.cost:.3g})"
+        return bool(found)
+
+    bracket(holds, 0.0, 1.0, 1.0 / _PARTS, clock.late)
+    return made, [*bench.tried[:-1], *(replace(one, less=told) for one in bench.tried[-1:])]
+
+
+def _of_kind(
+    model: Model,
+    motion: Floats,
+    region: Region,
+    margin: DesignMargin,
+    keep: frozenset[int],
+    held: list[int],
+    clock: Clock,
+    kind: str,
+) -> tuple[list[Changed], Bench]:
+    """The mends of one kind, and the bench on which they were tried."""
     bench = Bench(model, region.blocks, motion, margin, keep, clock.late)
     before = region.local
     # where supports have moved, blocks are diagnosed where they fall; what a region that stands
@@ -62,7 +96,7 @@ def mends_of_kind(
             found = _WholeCheck(bench, change, value, held).mend()
             if found is not None:
                 made.append(found)
-    return made, bench.tried
+    return made, bench
 
 
 class _Held(NamedTuple):
@@ -102,6 +136,7 @@ class _WholeCheck:
         bench, candidate, found = self.bench, self.candidate, self._least()
         if found is None:
             bench.tried.append(Tried(candidate.kind, self._falls()))
+            bench.near = True
             return None
         model, made = bench.model, found.model
         volume = _volume_changed(model, made)

@@ -376,6 +376,17 @@ def test_the_force_of_a_prop_is_the_largest_one_at_the_margin() -> None:
     assert "margin" not in plain.change.description
 
 
+def test_of_a_kind_that_misses_the_margin_the_part_that_it_keeps_is_told() -> None:
+    """At a friction of 0.6 a plate on a prop slides beyond 31 degrees: 30 is 12 parts of 16."""
+    base, out = box((1.0, 1.0, 1.0), name="base"), box((1.0, 1.0, 0.2), (0.7, 0.0, 1.0), "out")
+    model = Model.of(Assembly((base, out)).with_fixed([0]), friction=0.6)
+    options = MendOptions(margin=DesignMargin(tilt=40.0), kinds=("prop",))
+    found = find_mends(model, options=options)
+    assert found.mends == ()
+    (note,) = [one.text for one in found.sentences() if one.text.startswith("less than the margin")]
+    assert note.startswith("less than the margin: with tilt=30deg: a prop of ")
+
+
 def test_of_many_blocks_the_least_value_that_the_whole_needs_is_told() -> None:
     """At 14 % two of three contact stiffnesses hold it; the next value tried is 30 %."""
     thin = barrel_vault(thickness=0.18, courses=13, blocks=4, length=3.0, staggered=False)
