@@ -33,9 +33,11 @@ from drystone.solvers.threads import one_blas_thread
 
 MANY = 5.0
 """Of many blocks: how much longer increments are, until they clearly move."""
-SLOWER, FASTER = 2.5, 0.9
+SLOWER, FASTER, QUICK = 2.5, 0.9, 0.1
 """Factors on the drag after a refused increment, and after an easy one. Chosen: with 0.8, steps
-twice as long (0.64) moved the limit of one wedge by a degree; 0.4 moves those of two."""
+twice as long (0.64) moved the limit of one wedge by a degree; 0.4 moves those of two. The last is
+that nearly at rest, while no block moves by more than the overlap: else corners let go together,
+and a hood that rests up to 41.6 degrees falls at 41.5 too."""
 STEP, LONG_STEP = 2e-4, 2e-3
 """Longest increment relative to a block's size, and the same where the structure clearly moves:
 then the only question is whether it stops."""
@@ -241,7 +243,7 @@ class Follower(Increments):
     def to_rest(self, *, roughly: bool = False) -> Ended:
         """Increments until the blocks rest or fall."""
         bodies = self.bodies
-        refused = 0
+        refused, quick = 0, False
         while True:
             if self._late():
                 return Ended.STOPPED
@@ -250,9 +252,10 @@ class Follower(Increments):
                 guess = self.guess[0] * (self.guess[1] / self.drag)
             found, steps = self.increment(guess)
             longest = np.inf if found is None else float(np.abs(found.motion).max(initial=0.0))
-            if found is None or longest > self._longest():
+            if found is None or longest > (bodies.overlap if quick else self._longest()):
                 refused += 1
-                self.drag *= SLOWER
+                self.drag *= FASTER / QUICK if quick else SLOWER
+                quick = False
                 self.stretch = 1.0
                 if self.drag > MOST_DRAG * self.first:
                     return Ended.LOST
@@ -280,11 +283,11 @@ class Follower(Increments):
                 return Ended.LEAVES
             longer = STRETCH if swerve < STEADY else 1.0 / STRETCH
             self.stretch = min(max(longer * self.stretch, 1.0), STRETCHED)
+            # nearly at rest: small steps are not needed, unless a longer one comes of it
+            quick = steps < EASY and longest < bodies.overlap and self.share < 1e-3
             if steps < EASY:
-                # nearly at rest: small steps are not needed
-                quick = longest < bodies.overlap and self.share < 1e-3
                 least = longest / (0.9 * self._longest())
-                ease = 0.1 if quick else max(FASTER ** (self.bounds.pace * self.many), least)
+                ease = QUICK if quick else max(FASTER ** (self.bounds.pace * self.many), least)
                 # what drifts without resistance would bring it to zero
                 self.drag = max(self.drag * ease, float(np.finfo(float).tiny))
 

@@ -224,6 +224,15 @@ def test_stiffness_and_steps_change_no_answer_half_a_degree_from_the_limit(
     assert tilted(wedge("c"), X, 44.7, options=options).outcome is Outcome.FALLS
 
 
+@pytest.mark.parametrize("pace", [1.0, 0.3])
+def test_no_long_step_before_rest_lets_corners_go_together(pace: float) -> None:
+    # with one it falls at 49.5 and 49.6, with shorter steps at 49.65 and not at 49.7
+    options = SettlementOptions(carrier="moving", fall=0.1, pace=pace)  # type: ignore[arg-type]
+    axis = (np.sqrt(3.0), 1.0, 0.0)
+    for tilt, outcome in ((49.5, Outcome.RESTS), (49.65, Outcome.RESTS), (49.8, Outcome.FALLS)):
+        assert tilted(wedge("d"), axis, tilt, options=options).outcome is outcome
+
+
 def test_many_blocks_are_followed_like_few() -> None:
     slender = tower(30, 0.5)
     slope = np.rad2deg(np.arctan(1.0 / 29.0))
