@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from drystone.base.arrays import dot, lengths, plane_cross
+from drystone.base.arrays import Bools, dot, lengths, plane_cross
 from drystone.contacts import Contacts
 from drystone.friction_use import PressedFaces, sliding_use, twisted
 from drystone.joints import Resultants, bearable
@@ -25,14 +25,16 @@ least mean distance of pressure from its centre, by that of the centre from the 
 is pressed in part. Measured on 23,000 convex and concave ones: 0.83 or more."""
 
 
-def spread_where_turned(contacts: Contacts, resultants: Resultants) -> Contacts | None:
+def spread_where_turned(
+    contacts: Contacts, resultants: Resultants
+) -> tuple[Contacts, Bools] | None:
     """The contacts of dry joints with points on the faces that turn in place of their corners.
 
     None unless one is used so much that its torsion may need its corners. Which of those that are
     pressed all over may be is told by friction that grows with the distance from the centre of
     pressure, beside that against the force, at the corner used most. They resist better. Of those
     that are pressed in part it is told by the use of force and torque each alone: both together use
-    no more than the sum. Faces that stay are first.
+    no more than the sum. Faces that stay are first; which corners (k,) these are comes with it.
     """
     turns = twisted(contacts, resultants)
     if not turns.any():
@@ -63,7 +65,8 @@ def spread_where_turned(contacts: Contacts, resultants: Resultants) -> Contacts 
     wanted = slip.use > least[which]
     if not wanted.any():
         return None
-    kept = contacts.select(np.isin(np.arange(contacts.count), which[wanted], invert=True))
+    stays = np.isin(np.arange(contacts.count), which[wanted], invert=True)
+    kept = contacts.select(stays)
     points = faces.points(wanted, slip.pole)
     owner = which[wanted][points.loops.owner]
     away = np.einsum("pi,pij->pj", points.place, contacts.frame[owner, 1:])
@@ -71,7 +74,7 @@ def spread_where_turned(contacts: Contacts, resultants: Resultants) -> Contacts 
     def both(name: str) -> np.ndarray:
         return np.concatenate([getattr(kept, name), getattr(contacts, name)[owner]])
 
-    return Contacts(
+    spread = Contacts(
         both("block_a"),
         both("block_b"),
         both("frame"),
@@ -80,3 +83,4 @@ def spread_where_turned(contacts: Contacts, resultants: Resultants) -> Contacts 
         np.concatenate([kept.point, resultants.position[owner] + away]),
         np.concatenate([kept.interface, kept.count + np.arange(len(owner))]),
     )
+    return spread, stays[joint]

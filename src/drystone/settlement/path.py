@@ -176,6 +176,9 @@ class FollowedCase:
     falls
         The course of the first run that fell, by carrier: with another shear stiffness, if there
         was one.
+    near
+        Many blocks are followed from where this run of similar joints rests, and from the beginning
+        only if they do not rest again.
     """
 
     model: Model
@@ -186,6 +189,7 @@ class FollowedCase:
     left_at: float = np.inf
     felt: Floats | None = None
     falls: dict[Carrier, Course] = field(default_factory=dict)
+    near: SettlementPath | None = None
 
     @property
     def many(self) -> bool:
@@ -239,7 +243,7 @@ def path_of(
     if other is not None and motion is None and case.many:
         again = _from_rest(case, carrier, other)
         if again is not None:
-            return again, True
+            return again, not first
     stage = f"following the blocks, ends carried by the {carrier.value} block"
     most = 0
 

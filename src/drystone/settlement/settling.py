@@ -174,11 +174,13 @@ def settle_for_verdict(
     stop: Stop | None = None,
     felt: Floats | None = None,
     falls: dict[Carrier, Course] | None = None,
+    near: SettlementPath | None = None,
 ) -> Settlement:
     """As :func:`settle`, where only the verdict counts, without :func:`said_longer`.
 
     Of many blocks the path ends where a block has moved farther than ``rest_within``: wherever it
-    goes from there, the structure does not stand. ``felt``, ``falls``: see :class:`FollowedCase`.
+    goes from there, the structure does not stand. ``felt``, ``falls``, ``near``: see
+    :class:`FollowedCase`.
     """
     chosen, clock, begun = (
         SettlementOptions.of(options),
@@ -186,7 +188,7 @@ def settle_for_verdict(
         bool(falls),
     )
     left_at = chosen.rest_within if len(model.assembly.free) > FEW else np.inf
-    follow = partial(_carried, model, None, chosen, clock, left_at, felt)
+    follow = partial(_carried, model, None, chosen, clock, left_at, felt, near=near)
     found = follow(falls)
     # what ends otherwise than those that fell is followed in full
     return follow() if begun and found.outcome is not Outcome.FALLS else found
@@ -200,6 +202,7 @@ def _carried(
     left_at: float = np.inf,
     felt: Floats | None = None,
     falls: dict[Carrier, Course] | None = None,
+    near: SettlementPath | None = None,
 ) -> Settlement:
     """Where the blocks end; what falls is followed again with the vertices that meet a face."""
     began = clock.elapsed_s
@@ -207,7 +210,7 @@ def _carried(
         return _nothing_free(model, moving, chosen)
     apart = faces_apart(model, chosen.fall)
     falls = {} if falls is None else falls
-    case = FollowedCase(model, apart, chosen, clock, moving, left_at, felt, falls)
+    case = FollowedCase(model, apart, chosen, clock, moving, left_at, felt, falls, near)
     paths = _paths(case)
     for _ in range(MEETINGS):
         if any(path.outcome is not Outcome.FALLS for path in paths) or clock.late():
@@ -216,7 +219,8 @@ def _carried(
         if not len(met.contacts):
             break
         every = joined_contacts(case.apart.contacts, met.contacts)
-        more = replace(case, apart=Apart(every, np.concatenate([case.apart.gap, met.gap])))
+        gap = np.concatenate([case.apart.gap, met.gap])
+        more = replace(case, apart=Apart(every, gap), near=None)
         case.falls.clear()  # of joints that are not all
         again = _paths(more)
         if not all(_on_faces(path) for path in again):
@@ -322,7 +326,7 @@ def _paths(case: FollowedCase) -> tuple[SettlementPath, ...]:
     for number, which in enumerate(tries):
         # of many blocks the forces are much the same for both carriers
         stiff = paths[-1].overlap if paths and left_at < np.inf else None
-        other = paths[-1] if paths else None
+        other = paths[-1] if paths else case.near
         if number < len(known):
             path, last, falls = known[number]
             case.falls.update(falls)

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from drystone.base.arrays import Floats, lengths
+from drystone.base.arrays import Bools, Floats, lengths
 from drystone.base.progress import Clock
 from drystone.base.workers import WorkerPool
 from drystone.checks import unbalanced_wrench
@@ -141,24 +141,28 @@ class Asked:
                 self.planned = len(self.tried)
                 break
 
-    def on_spread_points(self, force: Floats, model: Model) -> Model | None:
-        """The model with points on faces whose forces (k, 3) [N] may need their corners, if any."""
+    def on_spread_points(self, force: Floats, model: Model) -> tuple[Model, Bools] | None:
+        """The model with points on faces whose forces (k, 3) [N] may need their corners, if any.
+
+        And which of its corners (k,) stay; they are first.
+        """
         points = spread_where_turned(model.contacts, resultants_of(model.contacts, force))
-        return None if points is None else model.with_contacts(points)
+        return None if points is None else (model.with_contacts(points[0]), points[1])
 
     def not_held(self, model: Model, rest: Candidate) -> Model | None:
         """The model with points spread over its faces, where uniform springs do not hold it.
 
         None where they do, or late. Faces that are used much only then have points as well.
         """
-        more: Model | None = model
-        while more is not None:
-            model, problem = more, Problem.build(more)
+        while True:
+            problem = Problem.build(model)
             attempt = Attempt(problem, law.uniform(problem.statics), self.clock.late)
             found = attempt.begun_at(rest.displacement)
             self.on_faces = rest = attempt.from_nothing() if found is None else found
             more = self.on_spread_points(rest.force, model) if rest.stands else None
-            self.steps += 0 if more is None else rest.steps
+            if more is None:
+                break
+            model, self.steps = more[0], self.steps + rest.steps
         self.count(rest)
         if rest.stands or self.clock.late():
             return None

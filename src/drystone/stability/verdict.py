@@ -176,7 +176,8 @@ def _decided(asked: Asked, pool: WorkerPool, near: Floats | None, rest: Candidat
     spread: Model | None = None
     if uniform.stands:
         if problem.statics.dry and (options.samples or (options.settle and not options.uniform)):
-            spread = asked.on_spread_points(uniform.force, problem.model)
+            more = asked.on_spread_points(uniform.force, problem.model)
+            spread = None if more is None else more[0]
         if problem.statics.friction.any():  # without it equilibrium decides (static theorem)
             count = max(options.samples - (spread is not None), int(follows))
             asked.try_others(pool, count, uniform)
@@ -376,14 +377,17 @@ def _with_spread_points(asked: Asked, found: Settlement, options: SettlementOpti
         contacts = model.contacts
         gap, force = (one[: contacts.corner_count] for one in (path.gap, path.force))
         closed = contacts.corners.max(gap)[contacts.interface] < opened
-        points = asked.on_spread_points(np.where(closed[:, None], force, 0.0), model)
-        if points is None:
+        more = asked.on_spread_points(np.where(closed[:, None], force, 0.0), model)
+        if more is None:
             break
         asked.depends_on(Sensitivity.PRESSURE)
         if now.outcome is not Outcome.RESTS or not asked.explains:
             break
-        model = points
-        now = settle_for_verdict(model, options=options, stop=asked.clock.late)
+        model, stays = more
+        held = np.zeros((model.contacts.corner_count, 3))
+        held[: stays.sum()] = force[stays]
+        near = replace(path, model=model, force=held)
+        now = settle_for_verdict(model, options=options, stop=asked.clock.late, near=near)
         asked.steps += now.iterations
     if now.outcome in (Outcome.RESTS, Outcome.UNKNOWN, found.outcome):
         return found
