@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
@@ -31,6 +32,8 @@ _THICK = 0.5
 """Thickness of the ground, by the largest block, and how far it reaches beyond the model, by its
 width. Chosen: tolerances are relative to the smaller of two blocks, which the ground never is."""
 _GROUND = "ground"
+PROP = "prop"
+"""Fixed blocks that stand for the head of a prop are called so, with a number."""
 _SHOWN = 0.12
 """How far the ground reaches beyond a model in pictures, by its larger side in plan; a quarter of
 this is its thickness there. Chosen by eye."""
@@ -128,6 +131,12 @@ def laid_ground(assembly: Assembly) -> int | None:
 def own_blocks(assembly: Assembly) -> Bools:
     """The blocks (n,) of a model, without the ground laid below them."""
     return np.arange(len(assembly)) != laid_ground(assembly)
+
+
+def props_of(assembly: Assembly) -> Bools:
+    """The fixed blocks (n,) that are props, by their names: mends add such blocks."""
+    named_so = [re.fullmatch(rf"{PROP}-\d+", name) is not None for name in assembly.names]
+    return assembly.fixed & np.array(named_so, dtype=bool)
 
 
 def _around(assembly: Assembly, left_out: int | None) -> Floats:

@@ -29,6 +29,7 @@ from drystone.geometry.polygon import area_vector
 from drystone.geometry.polyhedron import prism_faces
 from drystone.model import Model
 from drystone.sequence.scaffold_seats import first_met, surface_triangles
+from drystone.supports import PROP
 from drystone.ties import PLATE
 
 _LEANS = (0.0, 15.0, -15.0, 30.0, -30.0, 45.0, -45.0)
@@ -273,7 +274,7 @@ def propped(model: Model, seat: PropSeat) -> Model:
     patch, count = np.asarray(seat.outline), len(seat.outline)
     foot = patch - PLATE * model.assembly.size[seat.block] * np.asarray(seat.normal)
     faces = tuple(prism_faces(count))
-    prop = Block(np.concatenate([foot, patch]), faces, fresh_name(model, "prop"))
+    prop = Block(np.concatenate([foot, patch]), faces, fresh_name(model, PROP))
     area = area_vector(patch)
     contacts = Contacts(
         np.array([len(model)]),

@@ -18,7 +18,7 @@ from drystone.base.ragged import Ragged
 from drystone.model import Model
 from drystone.results import Result, Verdict
 from drystone.results.stage import force_layers
-from drystone.sequence.plan_steps import PlannedSteps, Status, assigned
+from drystone.sequence.plan_steps import PlannedSteps, Status, assigned, permanent
 from drystone.sequence.robots import Robot
 from drystone.sequence.rules import WAITS
 from drystone.sequence.stages import StageAnswer, StagedModel, members
@@ -181,7 +181,19 @@ def with_robots(
     out = [with_arms(assembly, arms, *one) for one in zip(seen, stages, strict=False)]
     others = [replace(one, message="; ".join([one.message, *_shares(plan, arms)]))
               for one in stages[len(out) :]]  # fmt: skip
-    return with_reach(assembly, team, [*out, *others])
+    return with_reach(plan.model, team, [*out, *others])
+
+
+def _posts(model: StagedModel) -> tuple[Layer, ...]:
+    """Props that are fixed blocks: posts of half the size of the blocks that they carry."""
+    at, carried = permanent(model)
+    if not len(at):
+        return ()
+    contacts, assembly = model.contacts, model.assembly
+    way = np.where(contacts.block_b[at] == carried, -0.5, 0.5) * assembly.size[carried]
+    label = f"{counted(len(at), 'prop')}, there from the beginning"
+    kind, start, along = LayerKind.LINES, contacts.centroid[at], contacts.frame[at, 0]
+    return (Layer("posts", label, kind, "help", start, way[:, None] * along, width=4.0),)
 
 
 def _shares(plan: PlannedSteps, arms: Mapping[int, Robot]) -> list[str]:
@@ -193,10 +205,10 @@ def _shares(plan: PlannedSteps, arms: Mapping[int, Robot]) -> list[str]:
 
 
 def with_reach(
-    assembly: Assembly, team: Sequence[Robot], stages: Sequence[SceneStage]
+    model: StagedModel, team: Sequence[Robot], stages: Sequence[SceneStage]
 ) -> list[SceneStage]:
-    """Stages with the bases of a team, and arcs where its reach ends."""
-    around = _robot_layers(assembly, team) if team else ()
+    """Stages with permanent props, the bases of a team, and arcs where its reach ends."""
+    around = _posts(model) + (_robot_layers(model.assembly, team) if team else ())
     return [replace(one, layers=one.layers + around) for one in stages]
 
 

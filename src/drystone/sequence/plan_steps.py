@@ -6,14 +6,14 @@ The checks of a step of a plan, and of what it would be without its help.
 from __future__ import annotations
 
 import enum
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
-from drystone.base.arrays import Floats
+from drystone.base.arrays import Floats, Ints
 from drystone.base.display import OneLine, named
 from drystone.base.errors import counted
 from drystone.model import Model
@@ -22,6 +22,7 @@ from drystone.sequence.evaluation import Evaluator
 from drystone.sequence.robots import Robot
 from drystone.sequence.rules import RemovalTest
 from drystone.sequence.stages import Stage, StageAnswer, StagedModel, mask_of, members
+from drystone.supports import props_of
 
 
 class Status(enum.Enum):
@@ -356,6 +357,22 @@ def without_help(evaluator: Evaluator, step: Step, standing: int) -> str:
     names = evaluator.model.assembly.names
     told = [falling_words(one, names) + one.message for one in found if not one.stands]
     return "without help: " + "; then ".join(told) if told else ""
+
+
+def permanent(model: StagedModel) -> tuple[Ints, Ints]:
+    """Interfaces (p,) at which props that are fixed blocks carry others, and these (p,)."""
+    contacts, prop = model.contacts, props_of(model.assembly)
+    ends = np.stack([contacts.block_a, contacts.block_b], axis=1)
+    at = np.flatnonzero(prop[ends].sum(axis=1) == 1)
+    return at, ends[at][~prop[ends[at]]]
+
+
+def permanent_words(model: StagedModel, order: Iterable[int]) -> str:
+    """How many props are fixed blocks, and the first in an order that needs one; else empty."""
+    carried = set(permanent(model)[1].tolist())
+    first = next((model.assembly.names[block] for block in order if block in carried), "")
+    props = counted(int(props_of(model.assembly).sum()), "permanent prop")
+    return f"{props}, which must be there before '{first}'" if first else ""
 
 
 def falling_words(answer: StageAnswer, names: Sequence[str]) -> str:

@@ -16,7 +16,14 @@ from drystone.base.errors import counted
 from drystone.base.table import Table
 from drystone.results import Verdict
 from drystone.sequence.plan_layers import step_stages, summary_stage, with_robots
-from drystone.sequence.plan_steps import PlannedSteps, Prop, Status, Step, assigned
+from drystone.sequence.plan_steps import (
+    PlannedSteps,
+    Prop,
+    Status,
+    Step,
+    assigned,
+    permanent_words,
+)
 from drystone.sequence.robots import FAR
 from drystone.sequence.rules import NO_WAY, TOO_HEAVY, WAITS, Order, Rules, too_heavy
 from drystone.sequence.stage_tree import Node
@@ -181,7 +188,8 @@ class Plan(PlannedSteps, Answer):
             return "Not every stage is known to stand"
         counts = self.counts
         kinds = [kind for kind in ("propped", "held") if counts[kind]]
-        said = " and ".join(f"{counted(counts[kind], 'block')} {kind}" for kind in kinds)
+        told = [f"{counted(counts[kind], 'block')} {kind}" for kind in kinds]
+        said = " and ".join(filter(None, [*told, permanent_words(self.model, self.step_of)]))
         words = f"Can be assembled {f'with {said}' if said else 'without help'}"
         return f"{words}{self._edge}"
 
@@ -202,6 +210,7 @@ class Plan(PlannedSteps, Answer):
             why = self.notes or [self.message]
             return [Sentence("NO PLAN", Role.BAD), *map(Sentence, why)]
         said = [Sentence(self.told, self.role), Sentence(self.message), *self._less_help()]
+        said += [Sentence(permanent_words(self.model, self.step_of))]
         if self.impossible:
             first = Sentence(self.title, Role.BAD)
             said = [first, *map(Sentence, self.notes), Sentence(self.told), *said[1:]]
@@ -209,7 +218,7 @@ class Plan(PlannedSteps, Answer):
         edge = [f"after step {i + 1} {words}" for i, words in self.on_edge.items()]
         told = first_of(why, "more steps with help", _REASONS)
         told += first_of(edge, "more steps without margin", _REASONS)
-        return [*said, *map(Sentence, told)]
+        return [one for one in (*said, *map(Sentence, told)) if one.text]
 
     def _less_help(self) -> list[Sentence]:
         """Whether another order needs less help, or how to look for one."""

@@ -29,7 +29,7 @@ from drystone.model import Model
 from drystone.results import Verdict
 from drystone.sequence.evaluation import Evaluator
 from drystone.sequence.plan_layers import outlined, stage_of, with_arms, with_reach
-from drystone.sequence.plan_steps import falling_words
+from drystone.sequence.plan_steps import falling_words, permanent_words
 from drystone.sequence.robots import Robot, check_robots, why_not
 from drystone.sequence.stage_tree import overloads
 from drystone.sequence.stages import Check, Stage, StageAnswer, StagedModel, check_both, mask_of
@@ -142,7 +142,9 @@ class Turns(Answer):
     @property
     def title(self) -> str:
         """Whether it can be built in turn."""
-        can = {Role.GOOD: "Can be assembled without props,", Role.BAD: "Cannot be assembled"}
+        props = permanent_words(self.structure, [one.block for one in self.turns])
+        good = f"Can be assembled {f'with {props}' if props else 'without props'},"
+        can = {Role.GOOD: good, Role.BAD: "Cannot be assembled"}
         told = can.get(self._role, "Not known whether it can be assembled")
         return f"{told} by {counted(len(self.robots), 'robot')} in turn"
 
@@ -221,7 +223,7 @@ class Turns(Answer):
         number = np.zeros(len(assembly), dtype=np.intp)
         number[[one.block for one in self.turns]] = np.arange(1, len(self.turns) + 1)
         return Scene(
-            assembly, self.model.contacts, tuple(with_reach(assembly, apart, stages)),
+            assembly, self.model.contacts, tuple(with_reach(self.structure, apart, stages)),
             f"drystone plan: {self.title}", {**self.asked.facts(), "Turns": self.title},
             number, still=-1, opens=-1, preset="stages" if len(stages) > 1 else "solid",
         )  # fmt: skip

@@ -542,6 +542,13 @@ def test_a_corbel_is_propped_from_below_or_each_of_its_stones_overhangs_less() -
     (held,) = region.needs.props.props
     assert held.force[2] > 0.9 * held.size
     assert "drawn back towards -x, to overhang " in drawn.description
+    built = drystone.plan(found.mends[0].model)
+    needs = "1 permanent prop, which must be there before 'stone-4'"
+    assert built.title == f"Can be assembled with 2 blocks held and {needs}"
+    assert [one.text for one in built.sentences()].count(needs) == 1
+    for stage in built.layers().stages:
+        (post,) = (one for one in stage.layers if one.key == "posts")
+        assert np.asarray(post.vector)[0, 2] < 0.0, "from the stone to the ground"
     share = drawn.value
     # stones 1 to 4 tip about the edge of stone 0 if the mean of their overhangs is above 0.25
     stands, falls = corbel(out=0.1), corbel(out=0.1001)
