@@ -305,11 +305,11 @@ class LocalMechanism(Answer):
             marks.append(Marks(MarkKind.LINE, *secant, "good", f"Ts = {self.secant_period:.3g} s"))
             ends = ((self.ultimate, "du*"),)
         if self.site is not None:
-            period = np.linspace(0.0, 4.0, 201)
-            spectrum = self.site.spectrum
+            period, spectrum = np.linspace(0.0, 4.0, 201), self.site.verified
+            label = f"elastic spectrum, {10.0 / spectrum.damping**2 - 5.0:.3g} %"
             across = np.array([spectrum.displacement(one) for one in period])
             up = np.array([spectrum.acceleration(one) for one in period])
-            marks.append(Marks(MarkKind.LINE, across, up, "bad", "elastic spectrum"))
+            marks.append(Marks(MarkKind.LINE, across, up, "bad", label))
         return Chart(
             "Capacity curve", tuple(marks), "d*", "a*", ("m", "m/s\N{SUPERSCRIPT TWO}"), lines=ends
         )

@@ -216,6 +216,12 @@ class SeismicDemand(OneLine):
             {**top.value, "site file": as_path(path).name, "SHA-256 begins": digest(path)[:32]},
         )
 
+    @property
+    def verified(self) -> Spectrum:
+        """With which displacements are compared: by Circolare 7/2019 of another damping."""
+        plain = self.state.edition == "2009" or not self.state.ultimate
+        return self.spectrum if plain else self.spectrum.damped(self.state.damping)
+
     def accelerations(self) -> dict[str, float]:
         """The least accelerations a0* [m/s2] of the linear verification, by their formulas."""
         if not self.state.behaviour:
@@ -230,9 +236,7 @@ class SeismicDemand(OneLine):
 
     def displacements(self, period: float) -> dict[str, float]:
         """What displacement [m] is asked of a mechanism with a secant period [s]."""
-        ground = self.spectrum
-        if self.state.edition != "2009":
-            ground = ground.damped(self.state.damping)
+        ground = self.verified
         asked = {"SDe(Ts)": ground.displacement(period)}
         if self.period and self.state.edition == "2009":
             ratio = period / self.period

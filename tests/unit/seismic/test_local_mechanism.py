@@ -301,6 +301,9 @@ def test_the_edition_of_2019_takes_the_displacement_at_the_ultimate_state(tmp_pa
         level = 0.3 * G * eta * 2.5 * 0.4 / period * min(2.0 / period, 1.0)
         asked_for = level * (period / 2.0 / math.pi) ** 2
         assert row[2] == pytest.approx(asked_for)
+        drawn = found.chart().marks[-1]
+        assert drawn.label == f"elastic spectrum, {damping:g} %"
+        assert max(drawn.y) == pytest.approx(0.3 * G * eta * 2.5)
     assert {one[0] for one in found.verifications} == {"non-linear"}  # SLC has no q
     assert verified(tmp_path, 0.1, 'edition = "2019"').confidence == 1.35
     damage = verified(tmp_path, 0.1, 'edition = "2019"', 'state = "SLD"')
