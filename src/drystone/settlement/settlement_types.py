@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import enum
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -19,14 +19,15 @@ from drystone.base.settings import Options
 from drystone.base.table import Table
 from drystone.checks import Residuals, block_speed, check_forces
 from drystone.contacts import Contacts
-from drystone.geometry.frames import rotation_about
-from drystone.mechanics.bodies import Bodies
+from drystone.geometry.frames import rotation_about, rotations
+from drystone.loads.applied import arms_of_loads
+from drystone.mechanics.bodies import Bodies, turned_load
 from drystone.mechanics.corners import Carrier
 from drystone.model import Model
 
 
 def moved_model(model: Model, motion: Floats, axes: Floats, point: Floats) -> Model:
-    """The blocks at the end, with each corner as a separate interface.
+    """The blocks at the end, with each corner as a separate interface; loads act where they did.
 
     Parameters
     ----------
@@ -48,7 +49,10 @@ def moved_model(model: Model, motion: Floats, axes: Floats, point: Floats) -> Mo
         point,
         np.arange(len(joint)),
     )
-    return Model(assembly.moved(motion), corners, model.load, ends=model.ends)
+    arms = arms_of_loads(assembly, model.load)
+    wrench = turned_load(model.load.wrench, arms, rotations(motion[:, 3:]))
+    load = replace(model.load, wrench=wrench)
+    return Model(assembly.moved(motion), corners, load, ends=model.ends)
 
 
 def rest_residuals(moved: Model, force: Floats, gap: Floats) -> Residuals:
