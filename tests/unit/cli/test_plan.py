@@ -125,8 +125,9 @@ def test_words_stay_whole_in_the_tables_of_a_narrow_terminal(tmp_path, capsys, m
     io.write(arch(0.15, 36), file)
     main(["check", str(file)])
     table = capsys.readouterr().out.split("most loaded:")[1].split("reactions:")[0]
-    words = {"springer-left", "voussoir-00", "interface", "tangential", "friction"}
-    assert words <= set(table.split())
+    words = set(table.split())
+    assert {"interface", "tangential", "friction"} <= words
+    assert {"springer-left", "voussoir-00"} <= words or {"springer-right", "voussoir-35"} <= words
     few = tmp_path / "few.json"  # eight columns: headings are broken before names
     io.write(arch(0.15, 11), few)
     main(["settle", str(few), "--friction", "0.7", "--move", "springer-right:0.01,0,0"])
