@@ -158,6 +158,20 @@ def test_walls_that_lean_a_little_are_pressed_and_turn_no_road(lean: float) -> N
     np.testing.assert_array_equal(Tops.of(walls, load).strips.axes, np.eye(3))
 
 
+def test_chamfers_below_copings_turn_no_road() -> None:
+    """Spandrel walls 2 m above a slab along x, their copings jut out above slopes of 45 degrees."""
+    turn = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    top = np.array([(-0.3, 3.3), (0.0, 3.0), (0.5, 3.0), (0.5, 3.5), (-0.3, 3.5)])
+    south, north = (
+        prism(one, (-4.0, 0.0), f"top {one[0, 0]:g}").transformed(turn)
+        for one in (top, (3.0, 0.0) + top[::-1] * (-1.0, 1.0))
+    )
+    walls = [box((4.0, 0.5, 2.0), (0.0, y, 1.0), f"wall {y}") for y in (0.0, 2.5)]
+    bridge = Assembly([box((4.0, 3.0, 1.0), name="slab"), *walls, south, north])
+    axes = Tops.of(bridge, Fill(cover=0.2, weight=2e4)).strips.axes
+    np.testing.assert_array_equal(axes, np.eye(3))
+
+
 @pytest.mark.parametrize("voussoirs", [5, 12])
 @pytest.mark.parametrize(("degrees", "digits"), [(0.0, 15), (17.0, 15), (17.0, 6), (57.0, 4)])
 def test_a_spandrel_wall_is_pressed_above_the_arch_and_below_the_road(

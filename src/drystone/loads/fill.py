@@ -159,7 +159,8 @@ def _road_axes(assembly: Assembly) -> Floats:
     """Directions along the road, across it and up, rows (3, 3); they turn with the model about z.
 
     Across is where the largest area of upright faces looks, by its part square to the direction in
-    which soffits slope: so piers and abutments do not count, if the bridge is skew or not. Without
+    which soffits slope: so piers and abutments do not count, if the bridge is skew or not. A soffit
+    is the largest face of a block that looks down: no chamfer below a coping. Without
     upright faces the road runs as soffits slope. Where these have no direction, as in domes and
     slabs, it is along x if faces look along y; or else one of the two ways square to the largest
     area, the one nearer to x.
@@ -168,6 +169,9 @@ def _road_axes(assembly: Assembly) -> Floats:
     area, normal = lengths(assembly.faces.area_vectors[mine]), assembly.faces.normals[mine]
     twice = (normal[:, 0] + 1j * normal[:, 1]) ** 2  # the same for both sides of a wall
     soffit = area * np.where(normal[:, 2] < -1.0 / _PLUMB, -normal[:, 2], 0.0)
+    owner, largest = assembly.faces.owner[mine], np.zeros(len(assembly))
+    np.maximum.at(largest, owner, soffit)
+    soffit[soffit < (1.0 - SAME) * largest[owner]] = 0.0
     slope = complex(soffit @ twice)
     upright = np.abs(normal[:, 2]) < _UPRIGHT
     ways, which = np.unique(np.round(twice[upright], 3), return_inverse=True)
