@@ -323,7 +323,8 @@ def _range(ends: tuple[float, float] | None, unit: str) -> str:
 
 
 def _pairs(given: Mapping[str, str]) -> str:
-    return ", ".join(f"{name.replace('_', ' ')} {value}" for name, value in given.items())
+    words = {name: name.replace("_", " ") for name in given} | {"samples": "stiffnesses sampled:"}
+    return ", ".join(f"{words[name]} {value}" for name, value in given.items())
 
 
 def _supports(fixed: tuple[str, ...]) -> str:

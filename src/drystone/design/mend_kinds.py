@@ -41,7 +41,7 @@ from drystone.ties import tied
 _FIRST = 6
 """Number of struts of one block that are tried, the shortest first, and of pairs of blocks between
 which a tie is tried: those that move apart fastest, that with the least pull times length by
-virtual work first."""
+virtual work first, and of equal ones that nearest the middle of the region."""
 
 _SLID = (0.2, 0.5, 1.0)
 """Slides that are tried before the least one is searched, by the way to the middle of the joint. It
@@ -162,8 +162,18 @@ def _tie(asked: KnownNeeds) -> Proposals:
         yield "no blocks move apart"
         return
 
-    def bulk(pair: tuple[float, int, int]) -> float:
-        return float(np.linalg.norm(centroid[pair[1]] - centroid[pair[2]])) / pair[0]
+    middle, fastest = centroid[own].mean(axis=0), max(apart)[0]
+
+    def off(pair: tuple[float, int, int]) -> float:
+        """How far its middle is from that of the region."""
+        return float(np.linalg.norm(0.5 * (centroid[pair[1]] + centroid[pair[2]]) - middle))
+
+    def fast(pair: tuple[float, int, int]) -> tuple[float, float]:
+        return -round(pair[0] / fastest, 6), off(pair)
+
+    def bulk(pair: tuple[float, int, int]) -> tuple[float, float]:
+        far = float(np.linalg.norm(centroid[pair[1]] - centroid[pair[2]]))
+        return round(far / asked.bench.local.assembly.size.max() * fastest / pair[0], 6), off(pair)
 
     def make(ends: tuple[int, int], model: Model, blocks: Ints, _: Ints) -> Model:
         return tied(model, int(blocks[ends[0]]), int(blocks[ends[1]]))
@@ -182,7 +192,7 @@ def _tie(asked: KnownNeeds) -> Proposals:
             f"{names_of(local, [i, j])}, {np.linalg.norm(centroid[i] - centroid[j]):.3g} m apart",
             added=1,
         )
-        for _, i, j in sorted(sorted(apart, reverse=True)[:_FIRST], key=bulk)
+        for _, i, j in sorted(sorted(apart, key=fast)[:_FIRST], key=bulk)
     ]
     why = f"a tie between blocks that move apart, of {counted(len(changes), 'pair')}"
     yield Tries(changes, why, Take.FIRST, told=told)

@@ -422,5 +422,6 @@ def posts(point: Floats, force: Floats, size: Floats, what: str = "") -> list[La
     if not strength.any():
         return []
     way = -force * (0.5 * size / np.maximum(strength, 1e-300))[:, None]
-    told = f"{counted(len(point), 'prop')}{what}, up to {quantity(strength.max(), 'N')}"
+    most = "up to " if len(point) > 1 else ""
+    told = f"{counted(len(point), 'prop')}{what}, {most}{quantity(strength.max(), 'N')}"
     return [Layer("help", told, LayerKind.LINES, "help", point, way, width=4.0, group="help")]
