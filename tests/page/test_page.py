@@ -450,7 +450,8 @@ def test_a_settlement_plays_its_states_and_blocks_come_apart(opened):
 
 
 def test_a_picture_of_another_size_shows_the_whole_model_until_it_is_moved(opened, standing):
-    tab = opened(standing)
+    """As soon as the window says so: the observer tells it after a frame was drawn."""
+    tab = opened(standing, before="window.ResizeObserver = class { observe() {} }")
     for moved in (False, True):
         tab.key("ArrowLeft" if moved else "f")
         tab.send("Emulation.setDeviceMetricsOverride", width=1000 if moved else 560, height=480,

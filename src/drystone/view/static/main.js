@@ -78,11 +78,12 @@ function connect() {
     const open = byId("fold").getAttribute("aria-expanded") === "true";
     byId("fold").setAttribute("aria-expanded", String(!open));
   });
-  new ResizeObserver(() => {
+  const resized = () => {
     if (canvas.clientWidth > 0 && !camera.flight) refit();
     redraw();
-  }).observe(canvas);
-  window.addEventListener("resize", () => redraw()); // a new pixel ratio
+  };
+  new ResizeObserver(resized).observe(canvas);
+  window.addEventListener("resize", resized); // a new pixel ratio; before the frame is drawn, the observer is after it
   window.addEventListener("hashchange", () => readView(location.hash.slice(1)));
   for (const one of [darkness, forcing]) one.addEventListener("change", refreshPanels);
   canvas.addEventListener("webglcontextlost", (event) => event.preventDefault());
