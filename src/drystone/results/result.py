@@ -101,10 +101,11 @@ class Result(Solution, Answer):
             return []
         words = f"foot: the resultant is {quantity(far, 'm')} from its middle, "
         if share <= 1.0:
-            words += f"inside its kern ({rounded_up(100.0 * share, 3):g} % of the way to its edge)"
+            way = f"{rounded_up(100.0 * share, 3):g} % of the way to the edge of the kern"
+            words += f"inside its kern ({way})"
         else:
-            words += f"outside its kern, at {rounded_up(share, 3):g} times the way to its edge: "
-            words += "without tension a part of it opens"
+            way = f"{rounded_up(share, 3):g} times the way to the edge of the kern, not of the foot"
+            words += f"outside its kern, at {way}: without tension a part of the foot opens"
         return [Sentence(words)]
 
     @property

@@ -27,8 +27,8 @@ def test_a_push_moves_the_resultant_by_half_the_height_and_the_kern_is_a_sixth(p
     (said,) = feet(Model.of(pier(), friction=0.6).with_load((9.81 * push, 0.0, -9.81)))
     far = push * 0.5 * HEIGHT
     share = far / (WIDTH / 6.0)
-    inside = f"inside its kern ({100.0 * share:.3g} % of the way to its edge)"
-    outside = f"outside its kern, at {share:.3g} times the way to its edge: without tension"
+    inside = f"inside its kern ({100.0 * share:.3g} % of the way to the edge of the kern)"
+    outside = f"outside its kern, at {share:.3g} times the way to the edge of the kern, not of the"
     assert said.startswith(f"foot: the resultant is {1e3 * far:.0f} mm from its middle, ")
     assert (inside if share < 1.0 else outside) in said
 
