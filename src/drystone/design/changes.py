@@ -49,6 +49,8 @@ _GLUE_SHARES = (0.01, 0.1, 0.3, 1.0)
 _BALLAST_SHARES = (0.1, 0.3, 1.0, 3.0, MOST)
 """Weights that are tried before the least one is searched, by that of the region."""
 
+_LET_IN = " (of the two blocks of a joint one is cut so deep, the other as much longer)"
+
 Surgery: TypeAlias = Callable[[Model, Ints, Ints], Model]
 """What a change makes of a model that has a region: its blocks and its interfaces are given by
 their positions in that model."""
@@ -159,7 +161,7 @@ def joint_change(
     words = {
         "turn": lambda value: f"{name} turned by {value:.2f} degrees",
         "wedge": lambda value: f"{name} made a wedge of {value:.1f} degrees",
-        "let-in": lambda value: f"{name} let in by {1e3 * value:.0f} mm",
+        "let-in": lambda value: f"{name} let in by {1e3 * value:.0f} mm{_LET_IN}",
     }[kind]
     width = 1.0
     steps, close = _JOINTS[kind]

@@ -608,6 +608,7 @@ def test_a_mend_names_each_block_once() -> None:
     found = find_mends(h_model(), friction=0.4, options=MendOptions(kinds=("let-in", "merge")))
     let_in, _, merged, _ = (one.text for one in found.sentences()[1:5])
     assert let_in.startswith("mend 1: the joint of 'block' with 'left' let in by ")
+    assert "is cut so deep, the other as much longer" in let_in
     assert (merged.count("'block'"), merged.count("'left'")) == (1, 1)
     made = mend(h_model(), friction=0.4, options=MendOptions(kinds=("let-in",)))
     told = [one.text for one in made.sentences()]
