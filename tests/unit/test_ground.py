@@ -158,6 +158,20 @@ def test_walls_that_lean_a_little_are_pressed_and_turn_no_road(lean: float) -> N
     np.testing.assert_array_equal(Tops.of(walls, load).strips.axes, np.eye(3))
 
 
+def test_slopes_that_fill_presses_from_outside_and_oblique_ends_are_named() -> None:
+    turn = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    gable = prism([(0.0, 1.0), (0.6, 1.0), (0.3, 1.2)], (-4.0, 0.0), "gable").transformed(turn)
+    blocks = [box((4.0, 3.0, 1.0), name="slab"), gable]
+    blocks.append(gable.transformed(np.eye(3), (0.0, 2.4, 0.0)).renamed("other"))
+    notes = " ".join(Fill(cover=0.1, weight=2e4, k=0.5).on(Assembly(blocks)).notes)
+    assert "slopes of gable, other are pressed from outside" in notes
+    assert "oblique" not in notes
+    wing = prism([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)], (0.0, 2.0), "wing")
+    blocks.append(wing.transformed(rotation_about((0, 0, 1), 30.0), (6.0, 1.0, 0.0)))
+    notes = " ".join(Fill(cover=0.1, weight=2e4, k=0.5).on(Assembly(blocks)).notes)
+    assert "oblique faces of wing are pressed as ends" in notes
+
+
 def test_chamfers_below_copings_turn_no_road() -> None:
     """Spandrel walls 2 m above a slab along x, their copings jut out above slopes of 45 degrees."""
     turn = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])

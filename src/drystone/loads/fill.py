@@ -17,7 +17,7 @@ import shapely
 
 from drystone.assembly import Assembly
 from drystone.base import units
-from drystone.base.arrays import FARTHEST, SAME, Bools, Floats, lengths
+from drystone.base.arrays import FARTHEST, SAME, Bools, Floats, Ints, lengths
 from drystone.base.display import named
 from drystone.base.errors import InputError, meant
 from drystone.base.settings import Options
@@ -256,15 +256,19 @@ class Tops:
                 where="fill",
                 remedy="give more cover",
             )
-        made._check_sides()
+        _ = made._outside
         return made
 
-    def _check_sides(self) -> None:
-        """No fill presses a face from outside, unless ``between`` says that it is there."""
+    @cached_property
+    def _outside(self) -> Ints:
+        """Blocks with slopes up to 45 degrees that fill presses from outside; refuse steeper ones.
+
+        None where ``between`` says where fill is.
+        """
         if self.fill.between is not None or not max(self.fill.k, self.fill.passive):
-            return
+            return np.zeros(0, dtype=np.intp)
         slope = np.abs(self.strips.slope)
-        steep = (slope[:, 1] > 1.0) & (slope[:, 1] > (1.0 + SAME) * slope[:, 0])
+        steep = (slope[:, 1] > 1.0 / _PLUMB) & (slope[:, 1] > (1.0 + SAME) * slope[:, 0])
         steep &= self.strips.width.max(axis=1) > _UPRIGHT * self.breadth
         seen = self.strips.chosen(steep & ~self.assembly.fixed[self.strips.block])
         axes = self.strips.axes
@@ -284,7 +288,10 @@ class Tops:
         face, top = self._plan.query(lines, "intersects")
         face, top = face[top < len(self.strips.t)], top[top < len(self.strips.t)]
         held = np.zeros(len(block), dtype=bool)
+        gentle = np.zeros(len(block), dtype=bool)
+        gentle[: len(seen.block)] = np.abs(seen.slope[:, 1]) <= 1.0
         held[face[self.strips.highest[top].max(axis=1) > r[face]]] = True
+        outside, held = block[~held & gentle], held | gentle
         if not held.all():
             first = near[~held & (out < 0.0)].max(initial=low)
             last = near[~held & (out > 0.0)].min(initial=high)
@@ -299,6 +306,7 @@ class Tops:
                 where="fill",
                 remedy=f"say where it lies, {' or, on all tops, '.join(each)}",
             )
+        return outside
 
     def level(self, x: Floats) -> Floats:
         """Of the road [m] at places along it."""
@@ -432,10 +440,19 @@ class Tops:
         """On which upright faces it acts."""
         if not max(self.fill.k, self.fill.passive):
             return ()
-        pressed = np.unique(np.concatenate([one.block for one in self.beside]))
-        names = named([self.assembly.names[i] for i in pressed], 2)
-        told = f"fill acts on upright faces of {names}, also at the ends, as if the road went on"
-        return (told,) if names else ()
+        aside = self.strips.axes[1]
+        skew = [one.block[np.abs(one.normal @ aside) > _LEAN] for one in self.beside[:2]]
+        several = ([one.block for one in self.beside], skew, [self._outside])
+        each = (
+            named([self.assembly.names[i] for i in np.unique(np.concatenate(some))], 2)
+            for some in several
+        )
+        words = (
+            "fill acts on upright faces of {}, also at the ends, as if the road went on",
+            "oblique faces of {} are pressed as ends of the road: check wings by hand",
+            "slopes of {} are pressed from outside, where nothing higher holds fill: say 'between'",
+        )
+        return tuple(told.format(names) for told, names in zip(words, each, strict=True) if names)
 
     @cached_property
     def resisting(self) -> Floats:
