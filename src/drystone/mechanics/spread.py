@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from drystone.base.arrays import Bools, dot, lengths, plane_cross
+from drystone.base.arrays import Bools, Floats, dot, lengths, plane_cross
 from drystone.contacts import Contacts
 from drystone.friction_use import PressedFaces, sliding_use, twisted
 from drystone.joints import Resultants, bearable
@@ -27,14 +27,15 @@ is pressed in part. Measured on 23,000 convex and concave ones: 0.83 or more."""
 
 def spread_where_turned(
     contacts: Contacts, resultants: Resultants
-) -> tuple[Contacts, Bools] | None:
+) -> tuple[Contacts, Bools, Floats] | None:
     """The contacts of dry joints with points on the faces that turn in place of their corners.
 
     None unless one is used so much that its torsion may need its corners. Which of those that are
     pressed all over may be is told by friction that grows with the distance from the centre of
     pressure, beside that against the force, at the corner used most. They resist better. Of those
     that are pressed in part it is told by the use of force and torque each alone: both together use
-    no more than the sum. Faces that stay are first; which corners (k,) these are comes with it.
+    no more than the sum. Faces that stay are first; with it come which corners (k,) these are,
+    and the forces (p, 3) [N] of the others as if each pressed evenly, local n, u, v.
     """
     turns = twisted(contacts, resultants)
     if not turns.any():
@@ -83,4 +84,6 @@ def spread_where_turned(
         np.concatenate([kept.point, resultants.position[owner] + away]),
         np.concatenate([kept.interface, kept.count + np.arange(len(owner))]),
     )
-    return spread, stays[joint]
+    share = points.area / np.bincount(owner, points.area, contacts.count)[owner]
+    force = np.einsum("pij,pj->pi", contacts.frame[owner], resultants.force[owner])
+    return spread, stays[joint], share[:, None] * force

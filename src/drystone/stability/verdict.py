@@ -383,10 +383,8 @@ def _with_spread_points(asked: Asked, found: Settlement, options: SettlementOpti
         asked.depends_on(Sensitivity.PRESSURE)
         if now.outcome is not Outcome.RESTS or not asked.explains:
             break
-        model, stays = more
-        held = np.zeros((model.contacts.corner_count, 3))
-        held[: stays.sum()] = force[stays]
-        near = replace(path, model=model, force=held)
+        model, stays, pressed = more
+        near = replace(path, model=model, force=np.concatenate([force[stays], pressed]))
         now = settle_for_verdict(model, options=options, stop=asked.clock.late, near=near)
         asked.steps += now.iterations
     if now.outcome in (Outcome.RESTS, Outcome.UNKNOWN, found.outcome):
