@@ -144,7 +144,7 @@ class Asked:
     def on_spread_points(self, force: Floats, model: Model) -> tuple[Model, Bools, Floats] | None:
         """The model with points on faces whose forces (k, 3) [N] may need their corners, if any.
 
-        And which of its corners (k,) stay, which are first, and the forces (p, 3) [N] of the points.
+        And which of its corners (k,) stay, first, and the forces (p, 3) [N] of the points.
         """
         points = spread_where_turned(model.contacts, resultants_of(model.contacts, force))
         return None if points is None else (model.with_contacts(points[0]), *points[1:])
