@@ -45,7 +45,7 @@ class Fill(Options):
 
     Attributes
     ----------
-    cover : [m] >= 0
+    cover : [m] >= 0, <= 100
         Of the road above the highest block, at the middle of the bridge.
     weight : [N/m3] >= 0
         By volume.
@@ -729,7 +729,7 @@ def read_words(text: str, what: str, known: Mapping[str, Reader], example: str) 
         try:
             found[name] = known[name](value)
         except InputError as error:
-            raise error.located(error.where or name) from error
+            raise InputError(f"{name}: {error.what}", remedy=error.remedy) from error
     for part in example.split(","):
         name = part.partition("=")[0]
         if name not in found:

@@ -261,7 +261,10 @@ def test_check_writes_the_forces_of_corners(model: str, tmp_path: Path, capsys: 
             ["limit", "train", "MODEL", "--fill", "cover=-0.1m,weight=20kN/m3"],
             "--fill: cover is -0.1; give 0 or more",
         ),
-        (["limit", "train", "MODEL", "--fill", "cover=0.1m,weight=20"], "--fill: '20' has no unit"),
+        (
+            ["limit", "train", "MODEL", "--fill", "cover=0.1m,weight=20"],
+            "--fill: weight: '20' has no unit",
+        ),
         (
             ["limit", "train", "MODEL", "--fill", "cover=0m,weight=20kN/m3,k=2,passive=1"],
             "--fill: passive is 1, k 2; give more than k",
