@@ -360,8 +360,10 @@ class Limit(LimitValues, Answer):
 
     @property
     def _verb(self) -> str:
-        """The value up to which, or down to which, it stands."""
-        return "Stands up to" if self.end >= self.start else "Stands down to"
+        """The value up to which, or down to which, it stands; or which forces could balance only."""
+        others = (self.rest, self.uniform, self.robust)
+        stands = "Stands" if any(others) else "Forces balance"
+        return f"{stands} {'up' if self.end >= self.start else 'down'} to"
 
     def _quantity(self, value: float) -> str:
         """A value in words."""

@@ -105,6 +105,12 @@ def test_a_tilt_axis_is_a_name_or_any_vector() -> None:
     assert values == pytest.approx([SLIDE] * 4, abs=0.01)
 
 
+def test_a_limit_of_equilibrium_alone_does_not_say_that_it_stands() -> None:
+    """The block of the H falls at every friction, though forces could balance it."""
+    least = limit_friction(h_model(), options=LimitOptions(equilibrium_only=True))
+    assert least.title.startswith("Forces balance down to friction 0.0005")
+
+
 def test_a_tilt_without_an_axis_is_the_least_of_four() -> None:
     """An arch swings along its span long before it overturns to a side."""
     model = Model.of(arch(thickness_ratio=0.15), friction=0.7)
