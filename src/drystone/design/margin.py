@@ -8,11 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from drystone.base.arrays import Floats
+from drystone.base.arrays import ROUNDING, Floats
 from drystone.base.errors import InputError
 from drystone.base.progress import Stopped
 from drystone.base.settings import Options
 from drystone.geometry.frames import LEVEL_AXES, axis_words, rotation_about
+from drystone.loads import LoadCase
+from drystone.loads.placing import wrench_of_masses
 from drystone.model import Model
 from drystone.results import Result
 from drystone.stability import CheckOptions, check
@@ -96,7 +98,8 @@ class DesignMargin(Options):
     tilt : [degrees] >= 0, < 90
         It must stand tilted by this angle to each of four sides.
     load : >= 1, < inf
-        It must stand under this multiple of its load.
+        It must stand under its weight and this multiple of what else loads it; of its weight, where
+        nothing else does.
     friction : > 0, <= 1
         It must stand with this share of the friction of each joint.
     robust
@@ -181,12 +184,26 @@ class DesignMargin(Options):
             less = model.with_friction(self.friction * model.contacts.friction)
             cases[f"with {100.0 * self.friction:g} % of its friction"] = less
         if self.load != 1.0:
-            cases[f"under {self.load:g} times its load"] = model.with_load(self.load * model.load)
+            words, more = self._loaded(model)
+            cases[f"under {self.load:g} times {words}"] = model.with_load(more)
         if self.tilt > 0.0:
             for axis in LEVEL_AXES.values():
                 way = axis_words(np.array(axis))
                 cases[f"tilted by {self.tilt:g} degrees {way}"] = tilted(model, axis, self.tilt)
         return cases
+
+    def _loaded(self, model: Model) -> tuple[str, LoadCase]:
+        """What is multiplied, in words, and the load with it.
+
+        Weight times a factor moves no dry block, so it is not multiplied with what else acts.
+        """
+        load, free = model.load, model.assembly.free
+        own = wrench_of_masses(model.assembly, load.acceleration - load.shake)
+        beside = load.wrench - own - load.weight_of_masses.wrench
+        if np.abs(beside[free]).max() <= ROUNDING * np.abs(load.wrench[free]).max():
+            return "its weight", self.load * load
+        wrench = load.wrench + (self.load - 1.0) * beside
+        return "what loads it beside its weight", replace(load, wrench=wrench)
 
     def case_of(self, result: Result, model: Model) -> str:
         """Words for the case that a result of :meth:`holds` is of; empty for the model itself."""

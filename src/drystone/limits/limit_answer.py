@@ -360,7 +360,7 @@ class Limit(LimitValues, Answer):
 
     @property
     def _verb(self) -> str:
-        """The value up to which, or down to which, it stands; or which forces could balance only."""
+        """Up to which value, or down to which, it stands; or forces could balance only."""
         others = (self.rest, self.uniform, self.robust)
         stands = "Stands" if any(others) else "Forces balance"
         return f"{stands} {'up' if self.end >= self.start else 'down'} to"

@@ -376,6 +376,19 @@ def test_the_force_of_a_prop_is_the_largest_one_at_the_margin() -> None:
     assert "margin" not in plain.change.description
 
 
+def test_the_load_of_a_margin_is_what_acts_beside_weight() -> None:
+    """An arch under 0.6 of what it carries; weight grew with it, and then nothing ever fell."""
+    ring = arch(0.15)
+    own, one = LoadCase.gravity(ring), LoadCase.point_load(ring, "voussoir-17", (0.0, 0.0, -1e3))
+    carries = drystone.limit_load(Model.of(ring, friction=0.7), one).best.stands
+    loaded = Model.of(ring, friction=0.7, load=own + 0.6 * carries * one)
+    assert DesignMargin(load=1.6).holds(loaded).stable
+    more = DesignMargin(load=1.75)
+    found = more.holds(loaded)
+    assert found.falls
+    assert more.case_of(found, loaded) == "under 1.75 times what loads it beside its weight"
+
+
 def test_of_a_kind_that_misses_the_margin_the_part_that_it_keeps_is_told() -> None:
     """At a friction of 0.6 a plate on a prop slides beyond 31 degrees: 30 is 12 parts of 16."""
     base, out = box((1.0, 1.0, 1.0), name="base"), box((1.0, 1.0, 0.2), (0.7, 0.0, 1.0), "out")
