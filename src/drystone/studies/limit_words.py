@@ -21,9 +21,8 @@ TURNED = "turned"
 
 
 def _bracket(limit: Limit) -> tuple[list[float | str | None], tuple[str, ...]]:
-    best = limit.best
-    moves = () if best.falling is None else best.falling.falling_names
-    return [best.stands, best.falls], moves
+    sides, falling = limit.robust or limit.best, limit.best.falling
+    return [sides.stands, sides.falls], () if falling is None else falling.falling_names
 
 
 def _turned(limit: Limit) -> list[str | None]:

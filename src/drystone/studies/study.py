@@ -25,6 +25,7 @@ from drystone.base.table import Table
 from drystone.base.version import version
 from drystone.io import read
 from drystone.io.opening import Given, How, LongHow, content_of, supported_model
+from drystone.limits import ThrustBounds
 from drystone.limits.bounds import tilt_margin
 from drystone.model import Model
 from drystone.results import Verdict
@@ -66,6 +67,7 @@ class _Task(OneLine):
 
 
 _SIDES = ("stands", "falls")
+_UNBALANCED = "unbalanced"
 _READING = frozenset(How.__annotations__)
 
 
@@ -107,9 +109,10 @@ def study(
     Table
         A row for each: number and inputs; of a check the verdict and ``tilt_margin``, [deg] up
         to which forces balance the loads; of a limit the last value at which it stands and the
-        first one at which it falls, or what else it finds, such as both bounds of a thrust; of a
-        tilt about which axis it was ``turned``; the blocks that move, a message, and the time [s].
-        ``refused`` stands where there is no model, ``failed`` where a worker ended twice.
+        first one at which it falls (with ``--robust`` for every stiffness tried), or what else it
+        finds, such as both bounds of a thrust; of a tilt about which axis it was ``turned``; the
+        blocks that move, a message, and the time [s]. ``refused`` stands where there is no model,
+        ``unbalanced`` where no forces bound a thrust, ``failed`` where a worker ended twice.
 
     Raises
     ------
@@ -351,7 +354,7 @@ def _hidden(columns: Mapping[str, Sequence[Any]]) -> frozenset[str]:
     inputs = [*columns][1 : [*columns].index("verdict")]
     varied = [one for one in inputs if len({*map(str, columns[one])}) > 1]
     hidden = {"number", "time_s", *inputs} - {*(varied or inputs)}
-    answered = {"found", *(one.value for one in Verdict)}
+    answered = {"found", _UNBALANCED, *(one.value for one in Verdict)}
     return frozenset(hidden if {*columns["verdict"]} - answered else {*hidden, "message"})
 
 
@@ -453,8 +456,10 @@ def _row(task: _Task, clock: Clock) -> list[Any]:
         model = task.model
         if task.limit:
             answer = limit_of_words(task.limit, model)(model, {"stop": clock.late})
-            word = "stopped" if getattr(answer, "stopped", "") else "found"
             values, moves = measured(answer)
+            word = "stopped" if getattr(answer, "stopped", "") else "found"
+            if isinstance(answer, ThrustBounds) and np.isnan(answer.least):
+                word = _UNBALANCED
             return task.row(
                 word, *map(_without_noise, values), " ".join(moves), answer.title, clock.elapsed_s
             )

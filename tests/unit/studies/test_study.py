@@ -3,6 +3,7 @@
 import json
 import math
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -11,11 +12,12 @@ import drystone
 from drystone import DrystoneError, InputError
 from drystone.answer.chart import MarkKind
 from drystone.cli import main
-from drystone.limits import limit_load
+from drystone.limits import Bracket, limit_load, limit_tilt
 from drystone.loads import LoadCase
 from drystone.models import arch, box, tower
 from drystone.report import save_study
 from drystone.studies import study, study_chart, study_map, study_told
+from drystone.studies.limit_words import measured
 from drystone.view import save_chart
 
 
@@ -183,6 +185,21 @@ def test_every_limit_of_the_command_has_columns_of_its_own(limit: str, tmp_path:
     assert math.isfinite(found[LIMITED[limit][0]][0])
     again = study(arch, asked, limit=limit, out=tmp_path / "found.jsonl", friction=0.9)
     assert [*map(str, again)] == [*map(str, found)]
+
+
+def test_a_thrust_where_no_forces_balance_is_told_apart_from_one_that_is_found() -> None:
+    found = study(
+        arch, {"thickness_ratio": [0.05, 0.3], "voussoirs": [9]}, limit="thrust springer-right"
+    )
+    assert found["verdict"].tolist() == ["unbalanced", "found"]
+    assert "message" in found.hidden
+
+
+def test_a_robust_limit_is_that_of_every_stiffness() -> None:
+    found = limit_tilt(drystone.Model.of(pier(0.5), friction=0.3), "y")
+    sides, _ = measured(replace(found, robust=Bracket(3.0, 4.0)))
+    assert sides == [3.0, 4.0, "about y"]
+    assert measured(found)[0] == [found.best.stands, found.best.falls, "about y"]
 
 
 def test_axes_have_words_and_units_and_what_is_fixed_is_said(tmp_path: Path) -> None:
