@@ -187,7 +187,7 @@ def hint_of(function: Any, one: inspect.Parameter) -> Any:
     homes = reversed(function.__mro__) if isinstance(function, type) else (function,)
     place: dict[str, Any] = {}
     for home in homes:
-        place |= vars(sys.modules[home.__module__])
+        place |= getattr(sys.modules.get(home.__module__), "__dict__", {})  # none of exec
     asked = types.SimpleNamespace(__annotations__={one.name: one.annotation})
     try:
         return get_type_hints(asked, place)[one.name]
