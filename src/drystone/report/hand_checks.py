@@ -9,8 +9,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
+from scipy.spatial import ConvexHull
 
-from drystone.base.arrays import Bools, Floats, Ints, dot
+from drystone.base.arrays import ROUNDING, Bools, Floats, Ints, dot
 from drystone.base.display import OneLine
 from drystone.base.errors import counted
 from drystone.base.table import Table
@@ -85,10 +86,11 @@ def balance(result: Result) -> Table:
 
 
 def as_one_block(result: Result) -> Table | None:
-    """Sliding and overturning of all free blocks as one, about the edge of their level foot.
+    """Sliding and overturning of all free blocks as one, about an edge of their level foot.
 
-    Loads act where :class:`AppliedLoads` and the tables of a report have them. ``None`` where the
-    foot is not level or in parts that do not meet, or nothing pushes sideways.
+    Of the edges around the foot it is the one that the resultant is nearest to, by the width of the
+    foot square to it. Loads act where :class:`AppliedLoads` and the tables of a report have them.
+    ``None`` where the foot is not level or in parts that do not meet, or nothing pushes sideways.
     """
     assembly, contacts = result.assembly, result.contacts
     foot = assembly.fixed[contacts.block_a] != assembly.fixed[contacts.block_b]
@@ -100,22 +102,28 @@ def as_one_block(result: Result) -> Table | None:
     flat = len(at) > 0 and level.all() and np.ptp(at[:, 2]) < 1e-6 * np.ptp(assembly.bounds)
     if not flat or down <= 0.0 or push < 1e-6 * down or not _meet(contacts, foot):
         return None
-    way = np.array([*total[:2], 0.0]) / push
-    reach = at @ way
-    toe = float(reach.max()) * way + at[0] * [0.0, 0.0, 1.0]
-    points, vertical, others = _parts_of_load(result, free, toe, np.cross(way, [0.0, 0.0, 1.0]))
-    holds, turns = float(-vertical @ ((points - toe) @ way)), sum(others.values())
+    hull = at[ConvexHull(at[:, :2]).vertices]
+    holds = turns = width = 0.0
+    nearest = math.inf
+    for toe, end in zip(hull, np.roll(hull, -1, axis=0), strict=True):
+        out = np.cross(end - toe, [0.0, 0.0, 1.0])
+        out /= np.linalg.norm(out)
+        points, vertical, others = _parts_of_load(result, free, toe, np.cross(out, [0.0, 0.0, 1.0]))
+        up, over = float(-vertical @ ((points - toe) @ out)), sum(others.values())
+        wide = float(np.ptp(hull @ out))
+        if (up - over) / wide < nearest:
+            nearest, holds, turns, width = (up - over) / wide, up, over, wide
     friction = float(contacts.friction[foot].min())
     told = [
         ("vertical load, V", quantity(down, "N")),
         ("horizontal load, H", quantity(push, "N")),
         ("least friction of the foot, f", f"{friction:.4g}"),
         ("sliding, f V / H", f"{friction * down / push:.4g}"),
-        ("moment of vertical loads about the toe, Mv", quantity(holds, "N m")),
+        ("moment of vertical loads about the nearest edge, Mv", quantity(holds, "N m")),
         ("moment of horizontal loads and couples, Mh", quantity(turns, "N m")),
-        ("overturning, Mv / Mh", f"{holds / turns:.4g}" if turns > 0.0 else "-"),
-        ("from the toe to the resultant, (Mv - Mh) / V", quantity((holds - turns) / down, "m")),
-        ("a third of the foot: the kern ends there", quantity(float(np.ptp(reach)) / 3.0, "m")),
+        ("overturning, Mv / Mh", f"{holds / turns:.4g}" if turns > ROUNDING * holds else "-"),
+        ("from that edge to the resultant, (Mv - Mh) / V", quantity((holds - turns) / down, "m")),
+        ("a third of the foot: the kern ends there", quantity(width / 3.0, "m")),
     ]
     columns = {"quantity": [one for one, _ in told], "value": [one for _, one in told]}
     return Table("all free blocks as one on their foot", columns)

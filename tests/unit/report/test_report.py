@@ -86,7 +86,7 @@ def test_a_wall_is_checked_by_hand_for_sliding_and_overturning_as_one_block() ->
     assert told["sliding, f V / H"] == f"{0.6 * 47088.0 / 18e3:.4g}"
     assert told["overturning, Mv / Mh"] == f"{47088.0 * 0.5 / (18e3 * 2.0 / 3.0):.4g}"
     arm = 0.5 - 12e3 / 47088.0
-    assert told["from the toe to the resultant, (Mv - Mh) / V"] == f"{1e3 * arm:.3g} mm"
+    assert told["from that edge to the resultant, (Mv - Mh) / V"] == f"{1e3 * arm:.3g} mm"
     assert as_one_block(drystone.check(Model.of(tower(3), friction=0.6))) is None
 
 
@@ -101,6 +101,17 @@ def test_a_load_on_the_edge_of_a_wall_holds_it_by_its_own_arm() -> None:
     told = dict(zip(table["quantity"].tolist(), table["value"].tolist(), strict=True))
     holds, turns = 47088.0 * 0.5 + 20e3 * 0.1, 3e3 * 1.5
     assert told["overturning, Mv / Mh"] == f"{holds / turns:.4g}"
+
+
+def test_a_wall_that_is_shaken_askew_turns_about_its_long_edge() -> None:
+    """4 x 1 x 3 m, 0.33 of its weight along both: 0.5 / (0.33 x 1.5) about the edge along x."""
+    wall = Assembly((box((4.0, 1.0, 0.5), name="foot"), box((4.0, 1.0, 3.0), (0.0, 0.0, 0.5))))
+    wall = wall.with_fixed([0])
+    load = LoadCase.gravity(wall) + LoadCase.seismic(wall, 0.33, 0.33)
+    table = as_one_block(drystone.check(Model.of(wall, friction=0.7, load=load)))
+    assert table is not None
+    told = dict(zip(table["quantity"].tolist(), table["value"].tolist(), strict=True))
+    assert told["overturning, Mv / Mh"] == f"{0.5 / (0.33 * 1.5):.4g}"
 
 
 def test_the_ground_below_a_model_has_no_weight_in_a_report(tmp_path: Path) -> None:
