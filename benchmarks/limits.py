@@ -122,10 +122,10 @@ def cases() -> list[Case]:
         Case("hemispherical dome, by lune: least t/R", "Heyman 1967: 0.042", 0.0428, 5e-4,
              lambda: limit_thickness(partial(lune, rings=60), 0.05, 0.035, find=slippery_walls,
                                      options=LimitOptions(width=5e-5, scan=2))),
-        Case("wall 1, pushed sideways: load factor", "Ferris, Tin-Loi 2001", 0.64286, 1e-4,
-             partial(pushed_wall, 1)),
-        Case("wall 2, pushed sideways: load factor", "Ferris, Tin-Loi 2001", 0.58000, 1e-4,
-             partial(pushed_wall, 2)),
+        Case("wall 1, friction 0.65, pushed sideways: load factor", "Ferris, Tin-Loi 2001",
+             0.64286, 1e-4, partial(pushed_wall, 1)),
+        Case("wall 2, friction 0.65, pushed sideways: load factor", "Ferris, Tin-Loi 2001",
+             0.58000, 1e-4, partial(pushed_wall, 2)),
     ]  # fmt: skip
 
 

@@ -31,6 +31,7 @@ from drystone.programs.cra import solve_cra
 from drystone.programs.penalty import HELD, PULLS, PenaltyOptions, solve_cra_penalty
 from drystone.programs.rbe import RBEOptions, solve_rbe
 from drystone.results import Result
+from drystone.stability.proofs import UNBALANCED
 
 _ALONE = "Compression alone balances the loads"
 
@@ -145,13 +146,19 @@ class Forces(Answer):
             return f"{told}; it does not {beside}" if loose else told
         return f"Tension in the joints does not {beside}"
 
+    @property
+    def _reduced(self) -> str:
+        """Within what there are no forces, where joints were reduced."""
+        reduced = self.contacts is not self.real and self.result.message == UNBALANCED
+        return " within the reduced joints" if reduced else ""
+
     def sentences(self) -> Sequence[Sentence]:
         """Whether compression is enough, what the method said, and the friction."""
         found = self.result.force is not None
         good = self.title == _ALONE
         said = [
             Sentence(self.title, Role.GOOD if good else Role.BAD),
-            Sentence(self.result.message),
+            Sentence(self.result.message + self._reduced),
         ]
         if self.form == "rbe":
             said.append(Sentence("forces by equilibrium alone: check says whether it stands"))
