@@ -175,7 +175,7 @@ def move_supports(
         raise InputError("no support moves", remedy='give a motion, such as {"base": (0, 0, -0.1)}')
     if to is not None:
         moving, longest = moving * (to / longest), to
-    still = model.with_load(LoadCase(model.load.wrench, model.load.name, model.load.notes))
+    still = model.with_load(replace(model.load, motion=None))
 
     watched = 0.0
 

@@ -175,3 +175,19 @@ def test_a_plug_that_tapers_is_driven_on_stiffer_springs() -> None:
     ]
     fall = dropped[0].displacement[2, 2] - dropped[1].displacement[2, 2]
     assert fall == pytest.approx(1e-4 / (2.0 * np.tan(LEAN)), rel=1e-2)
+
+
+def test_loads_stay_where_they_act_while_supports_move() -> None:
+    """A roof and a tank on a post turn with its top, as by hand: it fell at 0.79 of that."""
+    feet = (box((2, 2, 1), (x, -1, -1), f"foot {x}") for x in (-1.7, 0.3))
+    assembly = Assembly((*feet, box((0.6, 0.6, 1), (0, -0.3, 0), "post"))).with_fixed([0, 1])
+    mass, at = assembly.mass[2], (0.4, 0.0, 1.0)
+    load = (
+        LoadCase.gravity(assembly)
+        + LoadCase.point_load(assembly, 2, (0, 0, -9.81 * mass / 2), at=at)
+        + LoadCase.extra_mass(assembly, 2, mass / 2, at=at)
+    )
+    model = Model.of(assembly, friction=2.0, load=load)
+    by_hand = 0.3 * np.sin(np.arctan((0.3 + 0.2) / (0.5 + 1.0)))
+    quick = SettlementOptions(pace=5.0)
+    assert move_supports(model, {1: (0, 0, -1)}, to=0.9 * by_hand, options=quick).end is End.REACHED
