@@ -19,7 +19,7 @@ from drystone.answer.chart import Chart, MarkKind, Marks
 from drystone.answer.drawing import interface_layers, load_layers, marks, seen, state_of
 from drystone.answer.question import UP
 from drystone.assembly import Assembly
-from drystone.base.arrays import Bools, Floats, Ints, lengths
+from drystone.base.arrays import SAME, Bools, Floats, Ints, lengths
 from drystone.base.declared import Offered
 from drystone.base.display import named
 from drystone.base.errors import InputError, counted, located
@@ -29,6 +29,7 @@ from drystone.base.settings import checked_call
 from drystone.base.table import Table
 from drystone.checks import block_speed, corner_motion, moving_joints
 from drystone.geometry.frames import axis_vector
+from drystone.geometry.kern import convex_hull
 from drystone.io.opening import Given, LongHow, kept_of, supported_model
 from drystone.limits import limit_load
 from drystone.loads import LoadCase
@@ -341,7 +342,8 @@ def local_mechanism(
         Blocks that turn as one body, by names and patterns separated by commas.
     line : (6,) [m]
         Two points of the line about which the part turns, level, under the part; when left out, the
-        line across the direction through the lowest edge of the part on the side to which it falls.
+        edge of the hull of its foot with the least multiplier, or where it turns about a corner
+        alone, the line there across the direction.
     site
         TOML file with a spectrum and the factors q and FC, such as ``code``, ``ag``, ``soil``.
 
@@ -539,11 +541,26 @@ def _turning(
     chosen = chosen[~assembly.fixed[chosen]]
     if not len(chosen):
         raise InputError("has no free block", where="part", remedy="name blocks that can move")
-    origin, axis = _lowest_edge(assembly, chosen, along)
     remarks = _whole(model, chosen)
     if line is not None:
         origin, axis = _line(line, along)
         remarks += _under(assembly, chosen, origin, axis)
+        return *_about(model, chosen, along, origin, axis), remarks
+    lines = _lowest_edges(assembly, chosen, along)
+    found = [_about(model, chosen, along, start, end - start) for start, end in lines]
+    alpha = np.array([turning.multiplier(0.0) for turning, _ in found])
+    best = int(np.argmax(alpha <= alpha.min() + SAME))  # about a corner all are the same
+    if best:
+        ends = " to ".join(", ".join(f"{x + 0.0:.4g}" for x in end) for end in lines[best])
+        remarks += [f"the part turns about the edge of its foot from {ends}"]
+    return *found[best], remarks
+
+
+def _about(
+    model: Model, chosen: Ints, along: Floats, origin: Floats, axis: Floats
+) -> tuple[Turning, Floats]:
+    """A part that turns about a line, and its virtual motion (n, 6)."""
+    assembly, axis = model.assembly, axis / np.linalg.norm(axis)
     applied = applied_loads(assembly, model.load.beside_masses)
     mine = np.isin(applied.block, chosen)
     couple = applied.moment[mine].sum(axis=0)
@@ -567,7 +584,7 @@ def _turning(
         origin, axis, along, name, np.vstack(place), np.vstack(force), couple, shaken, masses,
         weight,
     )  # fmt: skip
-    return turning, motion, remarks
+    return turning, motion
 
 
 def _whole(model: Model, part: Ints) -> list[str]:
@@ -608,11 +625,21 @@ def _whole(model: Model, part: Ints) -> list[str]:
     return [f"what {told} lays on the part is not counted: name it too, or give it as a load"]
 
 
-def _lowest_edge(assembly: Assembly, part: Ints, along: Floats) -> tuple[Floats, Floats]:
-    """A point of the lowest edge of a part on the side to which it falls, and its direction."""
+def _lowest_edges(assembly: Assembly, part: Ints, along: Floats) -> list[tuple[Floats, Floats]]:
+    """Lines about which a part falls along a direction, by two points of each.
+
+    The first is across the direction, through the lowest corner that is farthest along; the others
+    are the edges of the hull of its lowest corners, its foot, over which it is pushed.
+    """
     corners = np.vstack([assembly.blocks[i].vertices for i in part])
-    low = corners[corners[:, 2] <= corners[:, 2].min() + 1e-9 * assembly.size.max()]
-    return low[np.argmax(low @ along)], np.cross(UP, along)
+    low = corners[corners[:, 2] <= corners[:, 2].min() + SAME * assembly.size.max()]
+    across, far = np.cross(UP, along), low[np.argmax(low @ along)]
+    found = [(far, far + across)]
+    foot = np.column_stack([hull := convex_hull(low[:, :2]), np.full(len(hull), far[2])])
+    for start, end in zip(foot, np.roll(foot, -1, axis=0), strict=True):
+        if len(foot) > 2 and (end - start) @ across > _CLOSE * np.linalg.norm(end - start):
+            found.append((start, end))
+    return found
 
 
 def _line(line: Sequence[float], along: Floats) -> tuple[Floats, Floats]:

@@ -168,6 +168,18 @@ def test_a_corner_turns_about_a_line_across_the_diagonal() -> None:
         assert found.oscillator.multiplier == pytest.approx(math.sqrt(0.5) / 2.0)
 
 
+@pytest.mark.parametrize("aside", [0.1, -1.0])
+def test_a_long_wall_that_is_pushed_aside_turns_about_its_long_edge(aside: float) -> None:
+    """b/h by the cosine between the direction and the normal of the edge."""
+    wall = standing(box((6.0, 0.6, 5.0), (0.0, 0.0, 0.0), "wall"))
+    found = local_mechanism(wall, part="wall", direction=(aside, 1.0, 0.0))
+    cosine = 1.0 / math.hypot(aside, 1.0)
+    assert found.oscillator.multiplier == pytest.approx(0.6 / 5.0 / cosine)
+    assert found.oscillator.displacement == pytest.approx(0.3 * cosine)
+    (told,) = found.remarks
+    assert told == "the part turns about the edge of its foot from 6, 0.6, 0 to 0, 0.6, 0"
+
+
 def test_what_is_behind_an_oblique_line_is_so_along_the_earthquake() -> None:
     """The line x = 0.4 + (y - 1)/2 about a wall whose middle is at x = 0.2, y = 1."""
     line = (-0.1, 0.0, 0.0, 0.9, 2.0, 0.0)
