@@ -112,10 +112,13 @@ def test_fill_presses_steps_and_walls_beside_it_but_not_what_is_covered_or_outsi
     assert push.wrench[:, 0] == pytest.approx([0.0, 0.0, 0.5 * 2e4 * 2.0, 0.0], abs=1e-6)
     walls = [box((4.0, 0.5, 2.0), (0.0, y, 1.0), f"y={y}") for y in (0.0, 2.5)]
     low = box((4.0, 3.0, 1.0), name="low")
-    push = Fill(cover=0.0, weight=2e4, k=0.5).on(Assembly([low, *walls], [True, False, False]))
     outwards = 0.5 * 2e4 * 2.0**2 / 2.0 * 4.0
-    assert push.wrench[1:, 1] == pytest.approx([-outwards, outwards])
-    assert push.wrench[1:, 3] == pytest.approx([-outwards / 3.0, outwards / 3.0])
+    for degrees in (0.0, 50.0, 90.0):  # nothing but what holds fill tells where the road runs
+        turn = rotation_about(np.array([0.0, 0.0, 1.0]), degrees)
+        slab = Assembly([low, *walls], [True, False, False]).transformed(turn)
+        wrench = Fill(cover=0.0, weight=2e4, k=0.5).on(slab).wrench
+        assert wrench[1:, :3] @ turn[:, 1] == pytest.approx([-outwards, outwards])
+        assert wrench[1:, 3:] @ turn[:, 0] == pytest.approx([-outwards / 3.0, outwards / 3.0])
     resisting = Tops.of(Assembly(steps), Fill(0.5, 2e4, passive=3.0)).resisting
     assert np.flatnonzero(resisting.any(axis=1)).tolist() == [2]
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
 from typing import Any, Literal, Self
@@ -155,15 +155,15 @@ class Fill(Options):
         )  # fmt: skip
 
 
-def _road_axes(assembly: Assembly) -> Floats:
-    """Directions along the road, across it and up, rows (3, 3); they turn with the model about z.
+def _road_axes(assembly: Assembly) -> Sequence[Floats]:
+    """Ways a road may run: each along, across it and up, rows (3, 3); they turn with the model.
 
     Across is where the largest area of upright faces looks, by its part square to the direction in
     which soffits slope: so piers and abutments do not count, if the bridge is skew or not. A soffit
     is the largest face of a block that looks down: no chamfer below a coping. Without
     upright faces the road runs as soffits slope. Where these have no direction, as in domes and
-    slabs, it is along x if faces look along y; or else one of the two ways square to the largest
-    area, the one nearer to x.
+    slabs, it runs square to the largest area or along it, first the way nearer to x; if faces that
+    look along y have as much as any, these are x and y.
     """
     mine = ~assembly.fixed[assembly.faces.owner]
     area, normal = lengths(assembly.faces.area_vectors[mine]), assembly.faces.normals[mine]
@@ -184,8 +184,15 @@ def _road_axes(assembly: Assembly) -> Floats:
         best = int(square.argmax()) if len(ways) else 0
         sides = len(ways) > 0 and square[best] > SAME * size.max()
         along = np.sqrt(-mean[best] if sides else slope)
-    elif len(ways) and np.abs(ways + 1.0).min() > SAME:
+        return [_axes(along)]
+    if not len(ways):
+        return [_axes(along)]
+    if (np.abs(ways + 1.0)[size >= (1.0 - SAME) * size.max()] > SAME).all():
         along = np.sqrt(np.sqrt(mean[size.argmax()] ** 2))
+    return [_axes(along), _axes(1j * along)]
+
+
+def _axes(along: complex) -> Floats:
     along /= abs(along)
     if along.real <= -along.imag:  # from -45 to 135 degrees
         along = -along
@@ -231,8 +238,29 @@ class Tops:
 
     @classmethod
     def of(cls, assembly: Assembly, fill: Fill) -> Self:
-        """Those of an assembly."""
-        strips = SeenStrips.of(assembly, _road_axes(assembly))
+        """Those of an assembly; of the ways a road may run that on whose sides most holds fill."""
+        ways = _road_axes(assembly)
+        if len(ways) > 1:
+            wide = replace(fill, between=fill.between and (-FARTHEST, FARTHEST))
+            held = np.array([cls._along(assembly, wide, axes)._held for axes in ways])
+            ways = [ways[int((held >= (1.0 - SAME) * held.max()).argmax())]]
+        made = cls._along(assembly, fill, ways[0])
+        free = made.strips.chosen(~assembly.fixed[made.strips.block])
+        over = free.highest - made.level(free.t)
+        if over.max() > 1e-9 * made.breadth:
+            at = int(over.max(axis=1).argmax())
+            name = assembly.names[free.block[at]]
+            raise InputError(
+                f"the road would be {over.max():.3g} m below the top of '{name}'",
+                where="fill",
+                remedy="give more cover",
+            )
+        _ = made._outside
+        return made
+
+    @classmethod
+    def _along(cls, assembly: Assembly, fill: Fill, axes: Floats) -> Self:
+        strips = SeenStrips.of(assembly, axes)
         if fill.between is not None:
             strips = strips.across(*fill.between)
         plumb = _plumb(strips)  # those are seen from beside
@@ -243,21 +271,17 @@ class Tops:
                 "no free block has a top there", where="fill", remedy="see 'between' and supports"
             )
         road = float(strips.highest[free].max()) + fill.cover
-        made = cls(
-            assembly, fill, strips, road,
-            0.5 * float(strips.t[free].min() + strips.t[free].max()), battered,
-        )  # fmt: skip
-        over = strips.highest[free] - made.level(strips.t[free])
-        if over.max() > 1e-9 * made.breadth:
-            at = int(over.max(axis=1).argmax())
-            name = assembly.names[strips.block[free][at]]
-            raise InputError(
-                f"the road would be {over.max():.3g} m below the top of '{name}'",
-                where="fill",
-                remedy="give more cover",
-            )
-        _ = made._outside
-        return made
+        middle = 0.5 * float(strips.t[free].min() + strips.t[free].max())
+        return cls(assembly, fill, strips, road, middle, battered)
+
+    @property
+    def _held(self) -> float:
+        """[m2], as seen, of upright faces that look across and have fill before them.
+
+        That of the side with less, without ``between``: fill is held on both.
+        """
+        each = [float(one.width.mean(axis=1) @ np.ptp(one.t, axis=1)) for one in self.beside[2:]]
+        return sum(each) if self.fill.between is not None else min(each)
 
     @cached_property
     def _outside(self) -> Ints:
