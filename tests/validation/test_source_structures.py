@@ -118,6 +118,7 @@ def test_what_disagrees_with_what_is_published_is_known(section):
     assert case.lines
     wrong = [line.what for line in case.lines if line.agrees is False]
     assert wrong == DIFFERS.get(section, [])
+    assert all("(check)" in line.found for line in case.lines if "(3DEC)" in line.published)
 
 
 @pytest.mark.parametrize("cone", [FrictionCone.exact(), FrictionCone.octagon()])

@@ -154,12 +154,12 @@ def _near(published: float, found: float) -> bool:
 
 
 def _told(found: Limit) -> str:
-    """The limit, or both ends of what is undecided."""
+    """The limit of the check, or both ends of what is undecided."""
     stands, falls = found.best.stands, found.best.falls
     if stands is not None and falls is not None and found.undecided_between is not None:
-        return f"stands to {stands:.1f}, falls from {falls:.1f}"
+        return f"stands to {stands:.1f}, falls from {falls:.1f} (check)"
     angle = middle(found.best)
-    return "never" if math.isnan(angle) or angle > _NEVER else f"{angle:.1f}"
+    return f"{'never' if math.isnan(angle) or angle > _NEVER else f'{angle:.1f}'} (check)"
 
 
 def _agrees(study: Study, found: Limit) -> bool:
