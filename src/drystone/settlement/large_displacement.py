@@ -128,7 +128,9 @@ def push(
         whole = float(np.linalg.norm(grown)) * bodies.length_unit
         reach = 2.0 if to is None else to / bodies.length_unit
         ended = driver.grow(grown, around, reach, tell)
-        moved = block_motions(bodies, (driver.now().pose,))[0][free, :3]
+        # where it is still pushed: what has fallen off may have let the others return
+        pushed = [one for one in driver.kept() if one.load > 0.0] or [driver.now()]
+        moved = block_motions(bodies, (pushed[-1].pose,))[0][free, :3]
         along = np.abs((grown[:, :3] * moved).sum(axis=1))
         moves = along >= MOVES * size * (along / np.where(size, size, np.inf)).max()
         return ended, whole / float(size[moves].sum()), 1.0
