@@ -123,6 +123,18 @@ def test_fill_presses_steps_and_walls_beside_it_but_not_what_is_covered_or_outsi
     assert np.flatnonzero(resisting.any(axis=1)).tolist() == [2]
 
 
+def test_fill_presses_a_wall_below_a_coping_that_juts_over_it_and_tells_what_it_leaves() -> None:
+    """Walls of 2 m below copings of 0.3 m; only what is as high as a coping juts is not pressed."""
+    sizes = ((0.0, 2.0, 0.5), (2.0, 0.3, 0.65))
+    blocks = [box((6.0, 4.0, 0.5), (0.0, 0.0, -0.5), "deck")]
+    for z, high, wide in sizes:
+        blocks += [box((6.0, wide, high), (0.0, y, z), f"{y} {z}") for y in (0.0, 4.0 - wide)]
+    load = Fill(cover=0.2, weight=2e4, k=0.4).on(Assembly(blocks).with_fixed(["deck"]))
+    push = 0.4 * 2e4 * 6.0 / 2.0 * (2.5**2 - 0.5**2 - (0.65**2 - 0.5**2))
+    assert load.wrench[1:3, 1] == pytest.approx([-push, push])
+    assert load.notes[-1].startswith("faces of 0.0 0.0, 3.5 0.0 below what juts out are pressed")
+
+
 @pytest.mark.parametrize("batter", [0.0, 1e-8, 1e-6, 0.05, 0.3])
 def test_fill_does_not_lie_outside_a_battered_wall(batter: float) -> None:
     """Two spandrel walls 2 m high: from outside it pressed them as much as from within."""

@@ -130,6 +130,12 @@ class SeenStrips(OneLine):
         return np.asarray(towards / lengths(towards)[:, None])
 
     @property
+    def area(self) -> Floats:
+        """(m,) [m2], of the faces."""
+        seen = self.width.mean(axis=1) * np.ptp(self.t, axis=1)
+        return np.asarray(seen / (self.normal @ self.axes[2]))
+
+    @property
     def highest(self) -> Floats:
         """Largest r (m, 2) [m] at both ends."""
         return np.asarray(self.r + 0.5 * np.abs(self.slope[:, 1:]) * self.width)
