@@ -231,7 +231,11 @@ def _carried_load(model: Model, assembly: Assembly, kept: Ints) -> LoadCase:
     wrench[: len(kept), :3] += extra
     wrench[: len(kept), 3:] = model.load.wrench[kept, 3:] + cross(shift, extra)
     masses = tuple(one.of_blocks(kept, len(assembly), shift) for one in model.load.masses)
-    return replace(model.load, wrench=wrench, masses=masses)
+    load = model.load.of_blocks(kept, len(assembly))
+    given = None if load.given is None else load.given.copy()
+    if given is not None:
+        given[: len(kept), 1:] += shift[:, :, None] * given[: len(kept), :1]
+    return replace(load, wrench=wrench, masses=masses, given=given)
 
 
 def acceleration_of(model: Model) -> Floats:

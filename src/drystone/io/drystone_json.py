@@ -31,7 +31,7 @@ VERSION = 1
 TOP = ("schema", "version", "units", "blocks", "contacts", "detection", "ends", "loads", "results")
 BLOCK = ("name", "vertices", "faces", "fixed", "density", "metadata", "repairs")
 CONTACTS = ("block_a", "block_b", "frame", "area", "friction", "point", "interface")
-LOAD = ("name", "wrench", "motion", "acceleration", "shake", "masses", "surface", "parts")
+LOAD = ("name", "wrench", "motion", "acceleration", "shake", "masses", "given", "surface", "parts")
 ARRAYS = {
     "force": 3,
     "force_with_props": 3,
@@ -198,10 +198,11 @@ def _load(field: Field, assembly: Assembly) -> LoadCase:
     )
     surface = _surface(field["surface"], n) if field.has("surface") else None
     masses = tuple(_masses(one, n) for one in field.get("masses", []).elements())
+    given = field["given"].floats(n, 4, 3) if field.has("given") else None
     wrench = field["wrench"].floats(n, 6)
     return LoadCase(
         wrench, name, motion=motion, acceleration=acceleration, surface=surface, masses=masses,
-        shake=shake,
+        shake=shake, given=given,
     )  # fmt: skip
 
 

@@ -112,6 +112,8 @@ def _load_content(load: LoadCase) -> dict[str, Any]:
             {name: plain.tolist() if name != "kind" else plain for name, plain in vars(one).items()}
             for one in load.masses
         ]
+    if load.given is not None:
+        content["given"] = load.given.tolist()
     if load.surface is not None:
         content["surface"] = {key: values.tolist() for key, values in vars(load.surface).items()}
     return content

@@ -26,9 +26,9 @@ class AppliedLoads(OneLine):
     block : (a,)
         Blocks with other loads.
     point : (a, 3) [m]
-        Where the force acts. A load case has the wrench of each block: of the line on which the
-        force acts it is the point where the line enters the block, or passes the centroid most
-        closely. The centroid where there is no force.
+        Where the force acts: as given, where that is off the block. Else a load case has the wrench
+        of the block: of the line on which the force acts it is the point where it enters the block,
+        or passes the centroid most closely. The centroid where there is no force.
     force : (a, 3) [N]
     moment : (a, 3) [N m], about the point
     earthquake, centre : (3,) [N], [m]
@@ -99,6 +99,13 @@ def applied_loads(assembly: Assembly, load: LoadCase, common: Floats | None = No
     along = np.where(lengths(along)[:, None] > least * assembly.size[block, None], along, 0.0)
     left = np.where(lengths(force)[:, None] > 0.0, along, moment)
     point = _entered(assembly, block, assembly.centroid[block] + arm, force)
+    if load.given is not None:
+        others = applied_loads(assembly, load.beside_points, common)
+        reach = np.trace(load.given[:, 1:], axis1=1, axis2=2)
+        reach[others.block] += dot(others.point - assembly.centroid[others.block], others.force)
+        at = assembly.centroid[block] + arm + (reach[block, None] / square) * force
+        here = lengths(force) * lengths(load.given[block].reshape(-1, 12)) > 0.0
+        point[here] = at[here]
     return AppliedLoads(common, block, point, force, left, *_earthquake(assembly, load))
 
 
@@ -106,11 +113,14 @@ def arms_of_loads(assembly: Assembly, load: LoadCase) -> Floats:
     """Sums (n, 3, 3) [N m] of arms from the centroid of each block times the forces there.
 
     They turn with the block, the forces keep their direction: of a block that has turned by R, the
-    torque has changed by that of (R - 1) times them. What presses more down than sideways acts
-    where it enters the block, as a roof; all else where it passes the centroid most closely.
+    torque has changed by that of (R - 1) times them. Forces act at points given off blocks. Of
+    others, what presses more down than sideways acts where it enters the block, as a roof; all else
+    where it passes the centroid most closely.
     """
-    applied = applied_loads(assembly, load.beside_masses)
+    applied = applied_loads(assembly, load.beside_masses.beside_points)
     arms = np.zeros((len(assembly), 3, 3))
+    if load.given is not None:
+        arms += load.given[:, 1:]
     arm, force = applied.point - assembly.centroid[applied.block], applied.force
     along = dot(arm, force) / np.maximum(dot(force, force), 1e-300)
     down = -force[:, 2] > lengths(force[:, :2])

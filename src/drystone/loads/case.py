@@ -17,11 +17,14 @@ from drystone.geometry.frames import rotation_about, unit
 from drystone.loads.masses import CarriedMass
 from drystone.loads.placing import (
     SurfaceLoad,
+    at_points,
     free_block,
     off_block,
     surface_forces,
+    turned_points,
     wrench_at,
     wrench_of_masses,
+    wrench_of_points,
 )
 
 STANDARD_GRAVITY = 9.81
@@ -55,6 +58,9 @@ class LoadCase(OneLine):
         What blocks carry, its forces among the wrenches.
     shake : (3,) [m/s2]
         Of an earthquake: of the blocks, of these masses, and of those of all cases that are added.
+    given : (n, 4, 3) [N, N m], optional
+        Of the forces among the wrenches at points off their blocks: per block their sum, and the
+        sums of their arms from its centroid along x, y and z times them.
 
     Examples
     --------
@@ -75,6 +81,7 @@ class LoadCase(OneLine):
     fills: tuple[Any, ...] = ()
     masses: tuple[CarriedMass, ...] = ()
     shake: Floats = field(default_factory=lambda: np.zeros(3))
+    given: Floats | None = None
 
     def __post_init__(self) -> None:
         for name in ("acceleration", "shake"):
@@ -83,6 +90,9 @@ class LoadCase(OneLine):
         if self.motion is not None:
             given = frozen_floats(self.motion, (len(self.wrench), 6), "motion")
             object.__setattr__(self, "motion", given if given.any() else None)
+        if self.given is not None:
+            given = frozen_floats(self.given, (len(self.wrench), 4, 3), "given")
+            object.__setattr__(self, "given", given if given.any() else None)
         object.__setattr__(self, "notes", tuple(self.notes))
         object.__setattr__(self, "masses", tuple(self.masses))
         if any(len(one.mass) != len(self.wrench) for one in self.masses):
@@ -216,10 +226,12 @@ class LoadCase(OneLine):
         vector = frozen_floats(force, (3,), "force")
         point = assembly.centroid[i] if at is None else frozen_floats(at, (3,), "at")
         place = "" if at is None else f" at {_listed(point)} m"
+        notes = () if at is None else off_block(assembly.blocks[i], point[None])
         return cls(
             wrench_at(assembly, i, vector[None], point[None]),
             f"{_listed(vector)} N on '{assembly.names[i]}'{place}",
-            () if at is None else off_block(assembly.blocks[i], point[None]),
+            notes,
+            given=at_points(assembly, i, vector, point) if notes else None,
         )
 
     @classmethod
@@ -233,9 +245,12 @@ class LoadCase(OneLine):
         if length == 0.0:
             raise InputError("the line has no length", remedy="give two different points")
         total = length * frozen_floats(force_per_length, (3,), "force per length")
-        wrench = wrench_at(assembly, i, total[None], ends.mean(axis=0)[None])
+        middle = ends.mean(axis=0)
+        wrench = wrench_at(assembly, i, total[None], middle[None])
         name = f"{_listed(total)} N along a line of '{assembly.names[i]}'"
-        return cls(wrench, name, off_block(assembly.blocks[i], ends))
+        notes = off_block(assembly.blocks[i], ends)
+        given = at_points(assembly, i, total, middle) if notes else None
+        return cls(wrench, name, notes, given=given)
 
     @classmethod
     def surface_load(
@@ -345,6 +360,7 @@ class LoadCase(OneLine):
             surface=None if self.surface is None else self.surface.turned(rotation),
             masses=masses,
             shake=self.shake @ rotation,
+            given=None if self.given is None else turned_points(self.given, rotation) @ rotation,
         )
 
     def refuse_turned_fill(self) -> None:
@@ -383,6 +399,12 @@ class LoadCase(OneLine):
         return replace(self, wrench=wrench, masses=())
 
     @property
+    def beside_points(self) -> LoadCase:
+        """The same without the forces at points off their blocks."""
+        theirs = 0.0 if self.given is None else wrench_of_points(self.given)
+        return replace(self, wrench=self.wrench - theirs, given=None)
+
+    @property
     def weight_of_masses(self) -> LoadCase:
         """Of what blocks carry, alone."""
         masses = tuple(replace(one, shake=np.zeros(3)) for one in self.masses)
@@ -399,7 +421,13 @@ class LoadCase(OneLine):
             motion[: len(chosen)] = self.motion[chosen]
         surface = None if self.surface is None else self.surface.of_blocks(chosen, every)
         masses = tuple(one.of_blocks(chosen, every) for one in self.masses)
-        return replace(self, wrench=wrench, motion=motion, surface=surface, masses=masses)
+        given = None
+        if self.given is not None:
+            given = np.zeros((every, 4, 3))
+            given[: len(chosen)] = self.given[chosen]
+        return replace(
+            self, wrench=wrench, motion=motion, surface=surface, masses=masses, given=given
+        )
 
     def beside(self, other: LoadCase) -> LoadCase:
         """By what the sum with another case is more than the other.
@@ -442,9 +470,9 @@ class LoadCase(OneLine):
     @classmethod
     def _of_all(cls, cases: Sequence[LoadCase]) -> LoadCase:
         """The sum of some load cases."""
-        wrench, names, notes, motion, acceleration, surface, shake = zip(
+        wrench, names, notes, motion, acceleration, surface, shake, given = zip(
             *(
-                (x.wrench, x.name, x.notes, x.motion, x.acceleration, x.surface, x.shake)
+                (x.wrench, x.name, x.notes, x.motion, x.acceleration, x.surface, x.shake, x.given)
                 for x in cases
             ),
             strict=True,
@@ -461,6 +489,7 @@ class LoadCase(OneLine):
             SurfaceLoad.of_all(surfaces) if surfaces else None,
             tuple(chain.from_iterable(x.fills for x in cases)),
             shake=_added(shake),
+            given=_added(given),
         )
         return total._with_masses_of(cases)
 
@@ -482,9 +511,10 @@ class LoadCase(OneLine):
             wrench, known = self.wrench * by, self.acceleration * by
             masses = tuple(one.by(by) for one in self.masses)
             shake = self.shake * by
+            given = None if self.given is None else self.given * by
         fills = tuple(replace(one, weight=by * one.weight) for one in self.fills if by > 0.0)
         return LoadCase(wrench, f"{by:g} {name}", self.notes, moved, known, surface,
-                        fills, masses, shake)  # fmt: skip
+                        fills, masses, shake, given)  # fmt: skip
 
     __rmul__ = __mul__
     __array_ufunc__ = None  # a numpy number times a load case is a load case

@@ -104,4 +104,7 @@ def with_shaken_weights(
     made = CarriedMass.at(assembly, "load", applied.block[down], mass, applied.point[down], gravity)
     made = made.shaken(load.shake)
     wrench = load.wrench + made.pushed(load.shake)
-    return replace(load, wrench=wrench, masses=(*load.masses, made))
+    left = np.ones((len(assembly), 1, 3))
+    left[applied.block[down], :, 2] = 0.0
+    given = None if load.given is None else load.given * left
+    return replace(load, wrench=wrench, masses=(*load.masses, made), given=given)

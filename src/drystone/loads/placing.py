@@ -49,6 +49,28 @@ def wrench_at(assembly: Assembly, block: int, force: Floats, point: Floats) -> F
     return wrench
 
 
+def at_points(assembly: Assembly, block: int, force: Floats, point: Floats) -> Floats:
+    """A force (3,) at a point (3,) of one block: (n, 4, 3), it and its arm from the centroid.
+
+    The first row is the force, the others the arm along x, y and z times it.
+    """
+    given = np.zeros((len(assembly), 4, 3))
+    given[block] = np.outer([1.0, *(point - assembly.centroid[block])], force)
+    return given
+
+
+def turned_points(given: Floats, rotation: Floats) -> Floats:
+    """Of forces at points, after arms were turned by the transpose of (3, 3) or (n, 3, 3)."""
+    turned = np.swapaxes(rotation, -1, -2) @ given[:, 1:]
+    return np.concatenate([given[:, :1], turned], axis=1)
+
+
+def wrench_of_points(given: Floats) -> Floats:
+    """Wrenches (n, 6) of forces at points."""
+    arms = given[:, 1:].reshape(-1, 9)
+    return np.column_stack([given[:, 0], arms[:, [5, 6, 1]] - arms[:, [7, 2, 3]]])
+
+
 def wrench_of_masses(assembly: Assembly, acceleration: Floats) -> Floats:
     """Wrenches (n, 6) of an acceleration (3,) [m/s2] of all masses.
 

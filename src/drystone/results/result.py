@@ -318,7 +318,7 @@ class Result(Solution, Answer):
         -------
         block
         point [m]
-            Where the force acts: where its line enters the block.
+            Where the force acts: where its line enters the block, or as given off it.
         force [N]
         moment [N m]
             About the point.

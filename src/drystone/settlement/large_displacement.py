@@ -64,8 +64,9 @@ def push(
     so that the curve goes on beyond the largest load, where a structure of rigid blocks makes most
     of its motion. The displacement at which the factor has fallen to zero is the displacement
     capacity: let go there, the structure falls. Quasi-static: no inertia. The forces keep their
-    direction and move with their blocks: those from above where they enter them. Each increment
-    needs the one before, so an ``executor`` has nothing to share.
+    direction and move with their blocks, at points that were given off them; others from above
+    where they enter them. Each increment needs the one before, so an ``executor`` has nothing to
+    share.
 
     Parameters
     ----------

@@ -21,6 +21,7 @@ from drystone.checks import Residuals, block_speed, check_forces
 from drystone.contacts import Contacts
 from drystone.geometry.frames import rotation_about, rotations
 from drystone.loads.applied import arms_of_loads
+from drystone.loads.placing import turned_points
 from drystone.mechanics.bodies import Bodies, turned_load
 from drystone.mechanics.corners import Carrier
 from drystone.model import Model
@@ -50,8 +51,11 @@ def moved_model(model: Model, motion: Floats, axes: Floats, point: Floats) -> Mo
         np.arange(len(joint)),
     )
     arms = arms_of_loads(assembly, model.load)
-    wrench = turned_load(model.load.wrench, arms, rotations(motion[:, 3:]))
-    load = replace(model.load, wrench=wrench)
+    turn, given = rotations(motion[:, 3:]), model.load.given
+    wrench = turned_load(model.load.wrench, arms, turn)
+    if given is not None:
+        given = turned_points(given, np.swapaxes(turn, 1, 2))
+    load = replace(model.load, wrench=wrench, given=given)
     return Model(assembly.moved(motion), corners, load, ends=model.ends)
 
 

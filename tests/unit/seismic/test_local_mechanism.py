@@ -127,6 +127,17 @@ def test_a_roof_moves_with_the_top_of_the_wall_that_is_followed() -> None:
     assert found.displacement == pytest.approx(away, rel=0.012)
 
 
+def test_a_roof_off_its_wall_acts_at_the_height_that_was_given() -> None:
+    """W (b/2 cos - h/2 sin) + N (e cos - h sin) = 0; no line through N meets the wall."""
+    model = courses(1, 0.4, 3.0)
+    weight, roof = 0.4 * 2.0 * 3.0 * 2400.0 * G, 20e3
+    load = LoadCase.point_load(model.assembly, "wall-0", (0.0, 0.0, -roof), (-0.1, 1.0, 3.0))
+    found = local_mechanism(loaded(model, load), part="wall-0").oscillator
+    angle = math.atan((weight * 0.2 + roof * 0.5) / (weight * 1.5 + roof * 3.0))
+    away = 0.2 - 0.2 * math.cos(angle) + 1.5 * math.sin(angle)
+    assert found.displacement == pytest.approx(away, rel=1e-6)
+
+
 def test_a_tie_holds_with_its_strength() -> None:
     """W b/2 + T z = alpha W h/2."""
     weight = 0.4 * 2.0 * 3.0 * 2400.0 * G
