@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from drystone import Assembly, InputError, LoadCase
+from drystone import Assembly, InputError, LoadCase, Model, check
 from drystone.loads import placing
 from drystone.models import prism, stool, tower
 
@@ -42,6 +42,13 @@ def test_a_point_off_the_block_is_told_with_its_distance() -> None:
     load = LoadCase.point_load(TOWER, "block-1", (1.0, 0.0, 0.0), at=(0.5, 0.5, 2.25))
     assert load.notes == ("the point 0.5, 0.5, 2.25 is 0.25 m off block 'block-1'",)
     assert (LoadCase.gravity(TOWER) + 2.0 * load).notes == load.notes
+
+
+def test_a_point_off_the_block_goes_through_sums_and_factors() -> None:
+    load = LoadCase.point_load(TOWER, "block-1", (0.0, 0.0, -5.0), at=(-0.5, 0.5, 3.0))
+    half = LoadCase.point_load(TOWER, "block-1", (0.0, 0.0, -5.0), at=(-0.5, 0.5, 4.0))
+    model = Model.of(TOWER, load=LoadCase.gravity(TOWER) + 3.0 * load + half)
+    assert check(model).loads()["point"].tolist() == [pytest.approx([-0.5, 0.5, 3.25])]
 
 
 @pytest.mark.parametrize("make", [LoadCase.point_load, LoadCase.moment])
