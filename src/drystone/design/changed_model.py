@@ -14,6 +14,7 @@ from drystone.contacts import Contacts, joined_contacts
 from drystone.detection import find_contacts, find_overlaps
 from drystone.joint_capacity import DRY, NO_LIMIT, JointCapacity
 from drystone.loads import LoadCase
+from drystone.loads.placing import filled
 from drystone.model import Model
 
 
@@ -224,12 +225,11 @@ def _carried_load(model: Model, assembly: Assembly, kept: Ints) -> LoadCase:
     model.require_still()
     acceleration = acceleration_of(model)
     before = model.assembly
-    wrench = np.zeros((len(assembly), 6))
-    wrench[:, :3] = assembly.mass[:, None] * acceleration
     extra = model.load.wrench[kept, :3] - before.mass[kept, None] * acceleration
     shift = before.centroid[kept] - assembly.centroid[: len(kept)]
-    wrench[: len(kept), :3] += extra
-    wrench[: len(kept), 3:] = model.load.wrench[kept, 3:] + cross(shift, extra)
+    moment = model.load.wrench[kept, 3:] + cross(shift, extra)
+    wrench = filled(np.column_stack([extra, moment]), len(assembly))
+    wrench[:, :3] += assembly.mass[:, None] * acceleration
     masses = tuple(one.of_blocks(kept, len(assembly), shift) for one in model.load.masses)
     load = model.load.of_blocks(kept, len(assembly))
     given = None if load.given is None else load.given.copy()

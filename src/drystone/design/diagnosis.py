@@ -293,7 +293,7 @@ class Diagnosis(Answer):
     def missing(self) -> tuple[Floats, Floats]:
         """The same of the missing force of each region that no props were found to hold."""
         bare = [region.needs for region in self.regions if not region.needs.props.props]
-        return _arrows([(needs.point, needs.force) for needs in bare])
+        return _arrows([(needs.point, needs.force) for needs in bare if needs.force.any()])
 
     @property
     def title(self) -> str:

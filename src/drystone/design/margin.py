@@ -202,8 +202,15 @@ class DesignMargin(Options):
         beside = load.wrench - own - load.weight_of_masses.wrench
         if np.abs(beside[free]).max() <= ROUNDING * np.abs(load.wrench[free]).max():
             return "its weight", self.load * load
-        wrench = load.wrench + (self.load - 1.0) * beside
-        return "what loads it beside its weight", replace(load, wrench=wrench)
+        shake, more = self.load * load.shake, self.load - 1.0
+        return "what loads it beside its weight", replace(
+            load,
+            wrench=load.wrench + more * beside,
+            acceleration=load.acceleration + more * load.shake,
+            masses=tuple(replace(one, shake=self.load * one.shake) for one in load.masses),
+            shake=shake,
+            given=None if load.given is None else self.load * load.given,
+        )
 
     def case_of(self, result: Result, model: Model) -> str:
         """Words for the case that a result of :meth:`holds` is of; empty for the model itself."""

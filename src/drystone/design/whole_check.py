@@ -51,36 +51,32 @@ def mends_of_kind(
     Where a kind holds it without the margin only, the largest part of the margin that it keeps is
     searched. ``motion`` (n, 6) is the first one of all blocks, ``held`` are those of other regions.
     """
-    made, bench = _of_kind(model, motion, region, margin, keep, held, clock, kind)
+
+    def at(part: DesignMargin) -> Bench:
+        return Bench(model, region.blocks, motion, part, keep, clock.late)
+
+    bench = at(margin)
+    made = _of_kind(bench, region, held, clock, kind)
     if made or bench.large or not bench.near or margin == margin.eased(1.0):
         return made, bench.tried
-    told = ""
+    told = [""]
 
     def holds(less: float) -> bool:
-        nonlocal told
         part = margin.eased(less)
-        found = _of_kind(model, motion, region, part, keep, held, clock, kind)[0]
+        found = _of_kind(at(part), region, held, clock, kind)
         if found:
             kept = min((one.change for one in found), key=lambda one: one.cost)
-            told = f"with {part.words}: {kept.description} (cost {kept.cost:.3g})"
+            told.append(f"with {part.words}: {kept.description} (cost {kept.cost:.3g})")
         return bool(found)
 
     bracket(holds, 0.0, 1.0, 1.0 / _PARTS, clock.late)
-    return made, [*bench.tried[:-1], *(replace(one, less=told) for one in bench.tried[-1:])]
+    return made, [*bench.tried[:-1], *(replace(one, less=told[-1]) for one in bench.tried[-1:])]
 
 
 def _of_kind(
-    model: Model,
-    motion: Floats,
-    region: Region,
-    margin: DesignMargin,
-    keep: frozenset[int],
-    held: list[int],
-    clock: Clock,
-    kind: str,
-) -> tuple[list[Changed], Bench]:
-    """The mends of one kind, and the bench on which they were tried."""
-    bench = Bench(model, region.blocks, motion, margin, keep, clock.late)
+    bench: Bench, region: Region, held: list[int], clock: Clock, kind: str
+) -> list[Changed]:
+    """The mends of one kind that hold a region and the whole."""
     before = region.local
     # where supports have moved, blocks are diagnosed where they fall; what a region that stands
     # alone needs is not known
@@ -96,7 +92,7 @@ def _of_kind(
             found = _WholeCheck(bench, change, value, held).mend()
             if found is not None:
                 made.append(found)
-    return made, bench
+    return made
 
 
 class _Held(NamedTuple):

@@ -86,6 +86,12 @@ def _symmetric(parts: Floats) -> Floats:
     return parts[[0, 1, 1, 2]].T.reshape(-1, 2, 2)
 
 
+def level_hull(points: Floats) -> Floats:
+    """Corners (h, 3) of the convex hull, seen from above, of points (p, 3) of one height."""
+    flat = convex_hull(points[:, :2])
+    return np.column_stack([flat, np.full(len(flat), points[0, 2])])
+
+
 def convex_hull(points: Floats) -> Floats:
     """Corners (h, 2) of the convex hull, counter-clockwise, without those on straight edges.
 

@@ -118,14 +118,12 @@ def arms_of_loads(assembly: Assembly, load: LoadCase) -> Floats:
     where it passes the centroid most closely.
     """
     applied = applied_loads(assembly, load.beside_masses.beside_points)
-    arms = np.zeros((len(assembly), 3, 3))
-    if load.given is not None:
-        arms += load.given[:, 1:]
+    arms = np.zeros((len(assembly), 3, 3)) if load.given is None else load.given[:, 1:].copy()
     arm, force = applied.point - assembly.centroid[applied.block], applied.force
     along = dot(arm, force) / np.maximum(dot(force, force), 1e-300)
     down = -force[:, 2] > lengths(force[:, :2])
     arm = arm - np.where(down, 0.0, along)[:, None] * force
-    arms[applied.block] = arm[:, :, None] * force[:, None]
+    arms[applied.block] += arm[:, :, None] * force[:, None]
     for one in load.masses:
         arms += one.moment[:, :, None] * (one.gravity + one.shake)
     return arms

@@ -18,6 +18,7 @@ from drystone.loads.masses import CarriedMass
 from drystone.loads.placing import (
     SurfaceLoad,
     at_points,
+    filled,
     free_block,
     off_block,
     surface_forces,
@@ -414,17 +415,12 @@ class LoadCase(OneLine):
     def of_blocks(self, chosen: Ints, count: int | None = None) -> LoadCase:
         """The loads of some blocks of an assembly, which are the first of ``count``."""
         every = len(chosen) if count is None else count
-        wrench, motion = np.zeros((every, 6)), None
-        wrench[: len(chosen)] = self.wrench[chosen]
-        if self.motion is not None:
-            motion = np.zeros((every, 6))
-            motion[: len(chosen)] = self.motion[chosen]
+        wrench = filled(self.wrench[chosen], every)
+        motion, given = (
+            None if one is None else filled(one[chosen], every) for one in (self.motion, self.given)
+        )
         surface = None if self.surface is None else self.surface.of_blocks(chosen, every)
         masses = tuple(one.of_blocks(chosen, every) for one in self.masses)
-        given = None
-        if self.given is not None:
-            given = np.zeros((every, 4, 3))
-            given[: len(chosen)] = self.given[chosen]
         return replace(
             self, wrench=wrench, motion=motion, surface=surface, masses=masses, given=given
         )

@@ -25,7 +25,7 @@ from drystone.base.units import quantity
 from drystone.geometry.frames import AXES, unit
 from drystone.loads.case import DOWN, STANDARD_GRAVITY, LoadCase
 from drystone.loads.masses import CarriedMass
-from drystone.loads.placing import SurfaceLoad
+from drystone.loads.placing import SurfaceLoad, filled
 from drystone.loads.seen_strips import SeenStrips, Spots, Traction
 from drystone.supports import select
 
@@ -313,8 +313,7 @@ class Tops:
         face, top = self._plan.query(lines, "intersects")
         face, top = face[top < len(self.strips.t)], top[top < len(self.strips.t)]
         held = np.zeros(len(block), dtype=bool)
-        gentle = np.zeros(len(block), dtype=bool)
-        gentle[: len(seen.block)] = np.abs(seen.slope[:, 1]) <= 1.0
+        gentle = filled(1.0 / np.abs(seen.slope[:, 1]), len(block)) >= 1.0  # 0 where upright
         held[face[self.strips.highest[top].max(axis=1) > r[face]]] = True
         outside, held = block[~held & gentle], held | gentle
         if not held.all():
@@ -430,8 +429,7 @@ class Tops:
         places = np.unique(self.strips.t)
         places = places[np.diff(places, prepend=-np.inf) > SAME * self.breadth]
         edges = np.sort((across @ along) * np.array([-FARTHEST, *places, FARTHEST]))
-        pieces = [seen.across(*one) for one in pairwise(edges.tolist())]
-        seen = self._below_road(pieces[0]._and(pieces[1:]))
+        seen = self._below_road(seen.across(*edges))
         # is what is before it lower, or covered only by what juts out less than the eye leans?
         near = (seen.middle + SAME * self.breadth * level) @ self.strips.axes.T
         clear = near[:, 1] + (level @ aside) * lean * self._deep(seen.middle)
@@ -442,9 +440,8 @@ class Tops:
     def _below_road(self, seen: SeenStrips) -> SeenStrips:
         """Strips cut at the road, above which nothing presses."""
         ends = np.stack([seen.t, seen.s, seen.r], axis=2) @ seen.axes
-        return seen.parted(
-            self.level(ends @ self.strips.axes[0]) - ends[..., 2], SAME * self.breadth
-        )
+        above = self.level(ends @ self.strips.axes[0]) - ends[..., 2]
+        return seen.parted(above, SAME * self.breadth)[0]
 
     @property
     def _sides(self) -> Floats:

@@ -9,6 +9,7 @@ import numpy as np
 from drystone.assembly import Assembly
 from drystone.base.arrays import Floats, Ints, frozen_floats
 from drystone.base.display import OneLine
+from drystone.loads.placing import filled
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,7 +95,5 @@ class CarriedMass(OneLine):
 
     def of_blocks(self, chosen: Ints, count: int, shift: Floats | float = 0.0) -> CarriedMass:
         """Those of some blocks, the first of ``count``; ``shift`` (c, 3) [m] is added to places."""
-        mass, moment = np.zeros(count), np.zeros((count, 3))
-        mass[: len(chosen)] = self.mass[chosen]
-        moment[: len(chosen)] = self.moment[chosen] + self.mass[chosen, None] * shift
-        return replace(self, mass=mass, moment=moment)
+        moment = filled(self.moment[chosen] + self.mass[chosen, None] * shift, count)
+        return replace(self, mass=filled(self.mass[chosen], count), moment=moment)

@@ -49,6 +49,11 @@ def wrench_at(assembly: Assembly, block: int, force: Floats, point: Floats) -> F
     return wrench
 
 
+def filled(rows: Floats, count: int) -> Floats:
+    """Rows (c, ...), and zeros after them up to ``count``."""
+    return np.concatenate([rows, np.zeros((count - len(rows), *rows.shape[1:]))])
+
+
 def at_points(assembly: Assembly, block: int, force: Floats, point: Floats) -> Floats:
     """A force (3,) at a point (3,) of one block: (n, 4, 3), it and its arm from the centroid.
 
@@ -67,8 +72,13 @@ def turned_points(given: Floats, rotation: Floats) -> Floats:
 
 def wrench_of_points(given: Floats) -> Floats:
     """Wrenches (n, 6) of forces at points."""
-    arms = given[:, 1:].reshape(-1, 9)
-    return np.column_stack([given[:, 0], arms[:, [5, 6, 1]] - arms[:, [7, 2, 3]]])
+    return np.column_stack([given[:, 0], torques(given[:, 1:])])
+
+
+def torques(arms: Floats) -> Floats:
+    """Cross products (n, 3) of arms and forces, by sums (n, 3, 3) of their outer products."""
+    each = arms.reshape(-1, 9)
+    return np.asarray(each[:, [5, 6, 1]] - each[:, [7, 2, 3]])
 
 
 def wrench_of_masses(assembly: Assembly, acceleration: Floats) -> Floats:
@@ -190,8 +200,7 @@ class SurfaceLoad(OneLine):
         """Those of some blocks, which are the first of ``count``."""
         position = np.full(len(self.wrench), -1, dtype=np.intp)
         position[chosen] = np.arange(len(chosen))
-        wrench = np.zeros((count, 6))
-        wrench[: len(chosen)] = self.wrench[chosen]
+        wrench = filled(self.wrench[chosen], count)
         kept = position[self.block] >= 0
         return SurfaceLoad(
             position[self.block[kept]], self.point[kept], self.traction[kept], wrench

@@ -171,8 +171,10 @@ class SeenStrips(OneLine):
         inside = self.chosen((self.t[:, 0] < high) & (self.t[:, 1] > low))
         return inside._between(np.maximum(inside.t[:, 0], low), np.minimum(inside.t[:, 1], high))
 
-    def parted(self, value: Floats, least: float) -> SeenStrips:
+    def parted(self, value: Floats, least: float) -> tuple[SeenStrips, Ints]:
         """The same strips, cut where a value is zero that goes from one end to the other.
+
+        With them comes of which strip each is a part.
 
         Parameters
         ----------
@@ -185,15 +187,23 @@ class SeenStrips(OneLine):
         share = value[:, 0] / np.where(crosses, value[:, 0] - value[:, 1], 1.0)
         at = np.where(crosses, self.t[:, 0] + share * np.ptp(self.t, axis=1), self.t[:, 1])
         rest = self.chosen(crosses)._between(at[crosses], self.t[crosses, 1])
-        return self._between(self.t[:, 0], at)._and([rest])
+        whose = np.append(np.arange(len(at)), np.flatnonzero(crosses))
+        return self._between(self.t[:, 0], at)._and([rest]), whose
 
-    def across(self, low: float, high: float) -> SeenStrips:
-        """Their parts between two places [m] along s."""
-        made, least = self, ROUNDING * float(np.abs(self.s).max(initial=0.0))
-        for bound in (low, high):
+    def across(self, *places: float) -> SeenStrips:
+        """Their parts between the first and the last of some places [m] along s, cut at each."""
+        edge = np.array(places)
+        ends = np.stack([self.s - 0.5 * self.width, self.s + 0.5 * self.width])
+        low, high = ends.min(axis=(0, 2)), ends.max(axis=(0, 2))
+        strip, piece = np.nonzero((low[:, None] < edge[1:]) & (high[:, None] > edge[:-1]))
+        made, least = self.chosen(strip), ROUNDING * float(np.abs(self.s).max(initial=0.0))
+        for bound in (0, 1):
             for half in (-0.5, 0.5):
-                made = made.parted(made.s + half * made.width - bound, least)
-        first, last = (np.clip(made.s + half * made.width, low, high) for half in (-0.5, 0.5))
+                away = made.s + half * made.width - edge[piece + bound, None]
+                made, whose = made.parted(away, least)
+                piece = piece[whose]
+        between = edge[piece, None], edge[piece + 1, None]
+        first, last = (np.clip(made.s + half * made.width, *between) for half in (-0.5, 0.5))
         s = 0.5 * (first + last)
         r = made.r + made.slope[:, 1:] * (s - made.s)
         cut = SeenStrips(made.axes, made.block, made.t, s, last - first, r, made.slope)

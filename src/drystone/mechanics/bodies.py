@@ -20,6 +20,7 @@ from drystone.base.ragged import sum_by_owner
 from drystone.geometry.polyhedron import fan_triangles
 from drystone.joints import SWAY
 from drystone.loads.applied import arms_of_loads
+from drystone.loads.placing import torques
 from drystone.mechanics.corners import Carrier, Ends, joint_ends
 from drystone.mechanics.law import Compliance, FrictionBound, StickSlip
 from drystone.mechanics.roles import as_turned, turned_joints
@@ -256,10 +257,8 @@ def turned_load(load: Floats, arms: Floats, turn: Floats) -> Floats:
         :func:`drystone.loads.applied.arms_of_loads`, scaled as the moments of the load.
     turn
     """
-    more = (turn - np.eye(3)) @ arms
     turned = load.copy()
-    for one, other, third in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-        turned[:, 3 + one] += more[:, other, third] - more[:, third, other]
+    turned[:, 3:] += torques((turn - np.eye(3)) @ arms)
     return turned
 
 

@@ -18,7 +18,7 @@ from __future__ import annotations
 import enum
 from bisect import bisect_left
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
@@ -214,10 +214,10 @@ class Follower(Increments):
         self.soft.asked = True
 
     @one_blas_thread()
-    def run(self, supports: Floats | None = None, earlier: Sequence[Floats] = ()) -> Track:
+    def run(self, supports: Floats | None = None, earlier: Sequence[Bodies] = ()) -> Track:
         """Until they rest or fall; then, where they rest, with supports that move by (n, 6).
 
-        ``earlier`` are loads (f, 6) under which they rest, more or less, before.
+        ``earlier`` are the bodies under loads that they rest under, more or less, before.
         """
         # blocks that follow their supports go far without falling
         self.left_steps = LEFT_STEPS if supports is None else self.step_limit
@@ -228,11 +228,10 @@ class Follower(Increments):
             ended = self._supports(supports)
         return self._track(ended)
 
-    def _loaded(self, earlier: Sequence[Floats]) -> Ended:
+    def _loaded(self, earlier: Sequence[Bodies]) -> Ended:
         """Rest under one load after another, and go on with the last one."""
         whole = self.bodies
-        for load in earlier:
-            self.bodies = replace(whole, load=load)
+        for self.bodies in earlier:
             ended = self.to_rest(roughly=True)
             self.drag, self.guess = self.first, None
             if ended is not Ended.RESTS:

@@ -9,7 +9,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
-from scipy.spatial import ConvexHull
 
 from drystone.base.arrays import ROUNDING, Bools, Floats, Ints, dot
 from drystone.base.display import OneLine
@@ -18,6 +17,8 @@ from drystone.base.table import Table
 from drystone.base.units import quantity
 from drystone.checks import mechanism_defects, normal_force_by_strength
 from drystone.contacts import Contacts
+from drystone.geometry.frames import unit
+from drystone.geometry.kern import level_hull
 from drystone.geometry.polygon import area_vector
 from drystone.joint_capacity import JointCapacity
 from drystone.joints import plane_pressure
@@ -90,7 +91,8 @@ def as_one_block(result: Result) -> Table | None:
 
     Of the edges around the foot it is the one that the resultant is nearest to, by the width of the
     foot square to it. Loads act where :class:`AppliedLoads` and the tables of a report have them.
-    ``None`` where the foot is not level or in parts that do not meet, or nothing pushes sideways.
+    ``None`` where the foot is not level, an edge or in parts that do not meet, or nothing pushes
+    sideways.
     """
     assembly, contacts = result.assembly, result.contacts
     foot = assembly.fixed[contacts.block_a] != assembly.fixed[contacts.block_b]
@@ -99,20 +101,17 @@ def as_one_block(result: Result) -> Table | None:
     total = load[free, :3].sum(axis=0)
     push, down = float(np.hypot(*total[:2])), -float(total[2])
     level = np.abs(contacts.frame[foot, 0, 2]) > 1.0 - 1e-9
-    flat = len(at) > 0 and level.all() and np.ptp(at[:, 2]) < 1e-6 * np.ptp(assembly.bounds)
-    if not flat or down <= 0.0 or push < 1e-6 * down or not _meet(contacts, foot):
+    flat = contacts.area[foot].any() and np.ptp(at[:, 2]) < 1e-6 * np.ptp(assembly.bounds)
+    if not (flat and level.all()) or down <= 0.0 or push < 1e-6 * down or not _meet(contacts, foot):
         return None
-    hull = at[ConvexHull(at[:, :2]).vertices]
-    holds = turns = width = 0.0
-    nearest = math.inf
+    hull, edges = level_hull(at), []
     for toe, end in zip(hull, np.roll(hull, -1, axis=0), strict=True):
-        out = np.cross(end - toe, [0.0, 0.0, 1.0])
-        out /= np.linalg.norm(out)
+        out = unit(np.cross(end - toe, [0.0, 0.0, 1.0]))
         points, vertical, others = _parts_of_load(result, free, toe, np.cross(out, [0.0, 0.0, 1.0]))
         up, over = float(-vertical @ ((points - toe) @ out)), sum(others.values())
         wide = float(np.ptp(hull @ out))
-        if (up - over) / wide < nearest:
-            nearest, holds, turns, width = (up - over) / wide, up, over, wide
+        edges.append(((up - over) / wide, up, over, wide))
+    _, holds, turns, width = min(edges)
     friction = float(contacts.friction[foot].min())
     told = [
         ("vertical load, V", quantity(down, "N")),

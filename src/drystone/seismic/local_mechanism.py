@@ -29,7 +29,7 @@ from drystone.base.settings import checked_call
 from drystone.base.table import Table
 from drystone.checks import block_speed, corner_motion, moving_joints
 from drystone.geometry.frames import axis_vector
-from drystone.geometry.kern import convex_hull
+from drystone.geometry.kern import level_hull
 from drystone.io.opening import Given, LongHow, kept_of, supported_model
 from drystone.limits import limit_load
 from drystone.loads import LoadCase
@@ -634,8 +634,7 @@ def _lowest_edges(assembly: Assembly, part: Ints, along: Floats) -> list[tuple[F
     corners = np.vstack([assembly.blocks[i].vertices for i in part])
     low = corners[corners[:, 2] <= corners[:, 2].min() + SAME * assembly.size.max()]
     across, far = np.cross(UP, along), low[np.argmax(low @ along)]
-    found = [(far, far + across)]
-    foot = np.column_stack([hull := convex_hull(low[:, :2]), np.full(len(hull), far[2])])
+    foot, found = level_hull(low), [(far, far + across)]
     for start, end in zip(foot, np.roll(foot, -1, axis=0), strict=True):
         if len(foot) > 2 and (end - start) @ across > _CLOSE * np.linalg.norm(end - start):
             found.append((start, end))

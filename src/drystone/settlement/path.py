@@ -21,6 +21,7 @@ from drystone.checks import FORCE_TOLERANCE
 from drystone.contacts import Contacts
 from drystone.geometry.frames import rotations
 from drystone.loads import LoadCase
+from drystone.loads.placing import filled
 from drystone.mechanics.bodies import (
     LIGHT,
     Bodies,
@@ -335,9 +336,8 @@ def _from_rest(
     pose = BlockPositions(
         bodies.centroid + moved[:, :3] / bodies.length_unit, rotations(moved[:, 3:])
     )
-    own = np.zeros((len(bodies.block_a), 3))
     kept = other.force[model.active[model.contacts.interface]]
-    own[: len(kept)] = kept / bodies.force_unit
+    own = filled(kept / bodies.force_unit, len(bodies.block_a))
     friction = numbered_forces(bodies, own)[:, 1:]
     follower.begin_at(pose, friction)
     follower.step_limit = min(chosen.step_limit, STIFF_STEPS)

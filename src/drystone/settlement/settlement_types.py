@@ -94,11 +94,11 @@ class Loading(enum.Enum):
     """All of it is turned from upright to its direction, in 20 parts with a rest after each."""
 
 
-def earlier_loads(bodies: Bodies, loading: Loading) -> list[Floats]:
-    """Loads (f, 6), scaled, under which the blocks rest before the whole load is on."""
+def earlier_loads(bodies: Bodies, loading: Loading) -> list[Bodies]:
+    """The bodies under the loads under which they rest before the whole load is on."""
     shares = np.arange(PARTS) / PARTS
     if loading is Loading.RAMP:
-        return [share * bodies.load for share in shares[1:]]
+        return [replace(bodies, load=x * bodies.load, arms=x * bodies.arms) for x in shares[1:]]
     total = bodies.load[:, :3].sum(axis=0)
     size = float(np.linalg.norm(total))
     if loading is Loading.AT_ONCE or size == 0.0:
@@ -113,7 +113,8 @@ def earlier_loads(bodies: Bodies, loading: Loading) -> list[Floats]:
     made = []
     for share in shares:
         turn = rotation_about(axis, (share - 1.0) * angle)
-        made.append((bodies.load.reshape(-1, 2, 3) @ turn.T).reshape(-1, 6))
+        load = (bodies.load.reshape(-1, 2, 3) @ turn.T).reshape(-1, 6)
+        made.append(replace(bodies, load=load, arms=turn @ bodies.arms @ turn.T))
     return made
 
 

@@ -167,7 +167,7 @@ def _decided(asked: Asked, pool: WorkerPool, near: Floats | None, rest: Candidat
         return _falls(asked, asked.collapse, uniform)
     felt = None if uniform.stands else _by_what_blocks_feel(asked, uniform)
     if felt is not None:
-        if not problem.statics.friction.any():  # equilibrium decides (static theorem)
+        if not problem.statics.friction.any():  # forces balance for all (static theorem)
             return asked.stable(felt)
         asked.depends_on(Sensitivity.WEIGHTS)
         softer = "stands where joints of light blocks are softer, by what these blocks feel"
@@ -176,9 +176,8 @@ def _decided(asked: Asked, pool: WorkerPool, near: Floats | None, rest: Candidat
     spread: Model | None = None
     if uniform.stands:
         if problem.statics.dry and (options.samples or (options.settle and not options.uniform)):
-            more = asked.on_spread_points(uniform.force, problem.model)
-            spread = None if more is None else more[0]
-        if problem.statics.friction.any():  # without it equilibrium decides (static theorem)
+            spread, *_ = asked.on_spread_points(uniform.force, problem.model) or (None,)
+        if problem.statics.friction.any():  # without it forces balance for all (static theorem)
             count = max(options.samples - (spread is not None), int(follows))
             asked.try_others(pool, count, uniform)
         if spread is not None:

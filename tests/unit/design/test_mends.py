@@ -389,6 +389,19 @@ def test_the_load_of_a_margin_is_what_acts_beside_weight() -> None:
     assert more.case_of(found, loaded) == "under 1.75 times what loads it beside its weight"
 
 
+def test_a_margin_grows_loads_off_blocks_and_shaking_where_they_act() -> None:
+    """Twice what acts beside weight, as the sum of its parts has it; arms stayed those of one."""
+    blocks = tower(3)
+    own = LoadCase.gravity(blocks)
+    off = LoadCase.point_load(blocks, "block-2", (0.0, 0.0, -1e3), at=(2.0, 0.5, 5.0))
+    more = off + LoadCase.seismic(blocks, 0.1)
+    (case,) = DesignMargin(load=2.0).cases(Model.of(blocks, friction=0.6, load=own + more))
+    twice = own + 2.0 * more
+    assert case.load.wrench == pytest.approx(twice.wrench)
+    for name in ("given", "acceleration", "shake"):
+        assert getattr(case.load, name) == pytest.approx(getattr(twice, name)), name
+
+
 def test_of_a_kind_that_misses_the_margin_the_part_that_it_keeps_is_told() -> None:
     """At a friction of 0.6 a plate on a prop slides beyond 31 degrees: 30 is 12 parts of 16."""
     base, out = box((1.0, 1.0, 1.0), name="base"), box((1.0, 1.0, 0.2), (0.7, 0.0, 1.0), "out")

@@ -18,6 +18,7 @@ from drystone.cli import main
 from drystone.limits import Limit, LimitOptions, limit_friction, limit_load, limit_train
 from drystone.loads import Earth, Fill, Train
 from drystone.models import arch, box, segmental_bridge, tower, vault, wall
+from drystone.models.solids import prism
 from drystone.report import TitleBlock, assess, write_report
 from drystone.report.document import Document, Picture, Section
 from drystone.report.hand_checks import (
@@ -112,6 +113,13 @@ def test_a_wall_that_is_shaken_askew_turns_about_its_long_edge() -> None:
     assert table is not None
     told = dict(zip(table["quantity"].tolist(), table["value"].tolist(), strict=True))
     assert told["overturning, Mv / Mh"] == f"{0.5 / (0.33 * 1.5):.4g}"
+
+
+def test_what_stands_on_an_edge_has_no_foot_to_turn_about() -> None:
+    wedge = prism([(0.5, 0.5), (0.0, 1.5), (1.0, 1.5)], (0.0, 1.0), "wedge")
+    blocks = Assembly((box((1.0, 1.0, 0.5), name="foot"), wedge)).with_fixed([0])
+    load = LoadCase.gravity(blocks) + LoadCase.seismic(blocks, 0.1)
+    assert as_one_block(drystone.check(Model.of(blocks, friction=0.7, load=load))) is None
 
 
 def test_the_ground_below_a_model_has_no_weight_in_a_report(tmp_path: Path) -> None:

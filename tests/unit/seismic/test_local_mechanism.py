@@ -138,6 +138,19 @@ def test_a_roof_off_its_wall_acts_at_the_height_that_was_given() -> None:
     assert found.displacement == pytest.approx(away, rel=1e-6)
 
 
+def test_a_roof_on_a_wall_and_a_load_off_it_are_followed_together() -> None:
+    """One took the place of the other's arms, which then stayed as they were."""
+    model = courses(1, 0.4, 3.0)
+    weight, roof, off = 0.4 * 2.0 * 3.0 * 2400.0 * G, 20e3, 30e3
+    load = LoadCase.point_load(model.assembly, "wall-0", (0.0, 0.0, -roof), (0.3, 1.0, 3.0))
+    load += LoadCase.point_load(model.assembly, "wall-0", (0.0, 0.0, -off), (-0.1, 1.0, 3.0))
+    found = local_mechanism(loaded(model, load)).oscillator
+    holds = weight * 0.2 + roof * 0.1 + off * 0.5
+    angle = math.atan(holds / (weight * 1.5 + (roof + off) * 3.0))
+    away = 0.2 - 0.2 * math.cos(angle) + 1.5 * math.sin(angle)
+    assert found.displacement == pytest.approx(away, rel=0.012)
+
+
 def test_a_tie_holds_with_its_strength() -> None:
     """W b/2 + T z = alpha W h/2."""
     weight = 0.4 * 2.0 * 3.0 * 2400.0 * G
