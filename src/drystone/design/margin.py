@@ -18,7 +18,7 @@ from drystone.loads.placing import wrench_of_masses
 from drystone.model import Model
 from drystone.results import Result
 from drystone.stability import CheckOptions, check
-from drystone.stability.check_options import SAMPLES
+from drystone.stability.asked import SAMPLES
 from drystone.stability.resting import try_rest
 from drystone.stability.screening import PATIENT
 from drystone.stability.screening import QUICK as QUICKLY

@@ -11,7 +11,7 @@ import numpy as np
 
 from drystone.answer import Answer, Role, Scene, Sentence
 from drystone.answer.chart import Chart
-from drystone.answer.widening import side_by_side
+from drystone.answer.scene import side_by_side
 from drystone.base.display import named, shortened
 from drystone.base.errors import InputError, counted
 from drystone.base.progress import Clock, Stop

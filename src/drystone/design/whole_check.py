@@ -19,8 +19,7 @@ from drystone.design.changed import Changed, Kept, free_mass
 from drystone.design.changes import Change
 from drystone.design.diagnosis import Region
 from drystone.design.margin import DesignMargin
-from drystone.design.mend_kinds import holding
-from drystone.design.proposals import KnownNeeds
+from drystone.design.mend_kinds import KnownNeeds, holding
 from drystone.design.search import bracket, least
 from drystone.model import Model
 from drystone.results import Result, Verdict

@@ -24,11 +24,10 @@ from drystone.contacts import DEFAULT_FRICTION, Contacts, check_friction
 from drystone.detection.candidates import Pairs, most_slack, near_blocks
 from drystone.detection.contact_report import ContactReport
 from drystone.detection.edgecontacts import edge_contacts
-from drystone.detection.face_contacts import face_contacts
 from drystone.detection.face_overlaps import Overlap, block_overlaps
 from drystone.detection.inexact_joints import Joined, join_inexact, strips
 from drystone.detection.interfaces import Interfaces, joined
-from drystone.detection.misses import Shortfall, edge_misses, shortfalls
+from drystone.detection.misses import Shortfall, edge_misses, face_contacts, shortfalls
 from drystone.detection.patches import Patches, patches_of
 from drystone.detection.resample import Resampled, resample
 from drystone.detection.tolerances import DetectionOptions, EdgeContacts, Missed

@@ -21,16 +21,17 @@ from drystone.detection.candidates import (
     NEAR,
     NEAR_BESIDE,
     Pairs,
+    facing_patches,
     fits,
     granted_to,
     reach_of_pairs,
     reach_of_patches,
 )
 from drystone.detection.edgecontacts import edge_contacts
-from drystone.detection.face_overlaps import overlaps
+from drystone.detection.face_overlaps import negligible, overlaps, within
 from drystone.detection.interfaces import Interfaces, angles, from_pieces, joined
 from drystone.detection.patches import Patches
-from drystone.detection.planes import NEGLIGIBLE, Pieces, Planes, gaps, planes_between
+from drystone.detection.planes import NEGLIGIBLE, Pieces, Planes, gaps, planes_between, uncovered
 from drystone.detection.tolerances import DetectionOptions, Missed, Reason, millimetres
 from drystone.geometry.boxes import FEW
 
@@ -438,3 +439,27 @@ def _needed(
     gap = np.maximum((most - checked.slack) / planes.size, options.reach(planes.size) / planes.size)
     angle = np.rad2deg(np.maximum(checked.angle - checked.limit, 0.0)) + options.angle
     return gap, angle
+
+
+def face_contacts(
+    patches: Patches, pairs: Pairs, options: DetectionOptions
+) -> tuple[Interfaces, list[Missed], Compared]:
+    """Interfaces with an area, near misses, and all that was compared."""
+    f, g = facing_patches(patches, pairs, options)
+    everything = compared(patches, f, g, options)
+    planes, shared, checked = everything
+    near = within(shared.select(checked.accepted), planes, checked.tolerance)
+    wide = near.width > options.sliver * planes.size[near.row]
+    wide &= ~negligible(patches, planes, near)
+    touching = near.select(wide)
+    found, hidden = uncovered(patches, planes, touching)
+    missed = [
+        *misses(patches, planes, shared, found, checked, options),
+        *dropped(patches, planes, near.select(~wide), found, Reason.SLIVER),
+        *dropped(patches, planes, touching.select(hidden[touching.row]), found, Reason.HIDDEN),
+    ]
+    return (
+        from_pieces(patches, planes, found, checked.partial),
+        missed,
+        Compared(planes, shared, checked),
+    )

@@ -12,7 +12,7 @@ import numpy as np
 
 from drystone.answer import Answer, Question, Role, Scene, SceneStage, Sentence
 from drystone.answer.chart import Chart, MarkKind, Marks
-from drystone.answer.widening import side_by_side
+from drystone.answer.scene import side_by_side
 from drystone.base.display import digits_apart, named, rounded_down, rounded_up
 from drystone.base.errors import InputError
 from drystone.base.table import Table

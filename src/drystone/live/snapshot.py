@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from drystone.answer.question import Question
-from drystone.answer.widening import stage_among
+from drystone.answer.scene import stage_among
 from drystone.contacts import Contacts, joined_contacts
 from drystone.geometry.frames import rotation_about
 from drystone.live.wish import Wish, WishedModel

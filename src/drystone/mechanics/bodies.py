@@ -21,9 +21,8 @@ from drystone.geometry.polyhedron import fan_triangles
 from drystone.joints import SWAY
 from drystone.loads.applied import arms_of_loads
 from drystone.loads.placing import torques
-from drystone.mechanics.corners import Carrier, Ends, joint_ends
+from drystone.mechanics.corners import Carrier, Ends, as_turned, joint_ends, turned_joints
 from drystone.mechanics.law import Compliance, FrictionBound, StickSlip
-from drystone.mechanics.roles import as_turned, turned_joints
 from drystone.model import Model
 
 LEAST_AREA = 0.05

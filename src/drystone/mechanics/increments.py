@@ -18,7 +18,7 @@ from drystone.mechanics.law import ContactResponse, respond
 from drystone.mechanics.maps import corner_rows, maps_between, times
 from drystone.mechanics.newton import Equation, Steps, newton
 from drystone.mechanics.positions import BlockPositions, place_corners
-from drystone.solvers.refinement import Solve
+from drystone.solvers.factors import Solve
 
 FEW = 24
 """Largest number of free blocks that are not many; from timings."""

@@ -15,9 +15,8 @@ from drystone.base.arrays import Floats, Ints, cross
 from drystone.base.errors import SolverError
 from drystone.base.ragged import runs_by_length
 from drystone.geometry.frames import skew
-from drystone.solvers.dense_factor import inverse
+from drystone.solvers.factors import Solve, inverse, refined
 from drystone.solvers.multifrontal import ordering_of
-from drystone.solvers.refinement import Solve, refined
 
 FULL = 12_000
 """Corners, times the square of the number of free blocks, up to which matrices are full. Measured:

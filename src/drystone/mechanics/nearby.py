@@ -27,7 +27,7 @@ from drystone.mechanics.law import (
 from drystone.mechanics.newton import Equation, Steps, newton
 from drystone.mechanics.rest_state import RestOptions, RestState, Start, block_scale
 from drystone.mechanics.statics import Statics
-from drystone.solvers.refinement import Solve
+from drystone.solvers.factors import Solve
 
 STALL = 3
 """Largest number of successive steps that do not halve what is left; twice as many where they are

@@ -20,8 +20,7 @@ from drystone.mechanics.rest_state import RestOptions, RestState
 from drystone.mechanics.statics import Statics
 from drystone.results import Result, Verdict
 from drystone.solvers.threads import one_blas_thread
-from drystone.stability.asked import Asked
-from drystone.stability.check_options import SAMPLES, CheckOptions
+from drystone.stability.asked import SAMPLES, Asked, CheckOptions
 from drystone.stability.problem import Problem
 from drystone.stability.verdict import decided
 

@@ -22,9 +22,8 @@ from drystone.mechanics.rest_state import RestOptions, RestState
 from drystone.mechanics.statics import Statics
 from drystone.results import Result
 from drystone.solvers.threads import one_blas_thread
-from drystone.stability.asked import Asked
+from drystone.stability.asked import SAMPLES, Asked, CheckOptions
 from drystone.stability.attempts import FALLS_FROM
-from drystone.stability.check_options import SAMPLES, CheckOptions
 from drystone.stability.problem import Problem
 from drystone.stability.proofs import FALLING_SHARE
 from drystone.stability.screening import TO_REST

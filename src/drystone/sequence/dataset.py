@@ -32,7 +32,7 @@ from drystone.io import write
 from drystone.io.opening import Given, How, LongHow, supported_model
 from drystone.model import Model
 from drystone.results import Verdict
-from drystone.sequence.checkpoint import fingerprint
+from drystone.sequence.evaluation import fingerprint
 from drystone.sequence.planner import plan
 from drystone.sequence.stages import StagedModel, mask_of, members
 from drystone.sequence.structure import Structure

@@ -29,12 +29,11 @@ from drystone.mechanics.bodies import (
     numbered_axes,
     numbered_forces,
 )
-from drystone.mechanics.corners import CARRIER, Carrier, flush_ends, joint_ends
+from drystone.mechanics.corners import CARRIER, Carrier, as_turned, flush_ends, joint_ends
 from drystone.mechanics.follow import Bounds, Course, Ended, Follower, Track
 from drystone.mechanics.increments import FEW, travelled
 from drystone.mechanics.meeting import Apart, followed_model, model_with_met
 from drystone.mechanics.positions import BlockPositions, rotation_vectors
-from drystone.mechanics.roles import as_turned
 from drystone.mechanics.soft_springs import STIFFEST
 from drystone.mechanics.vertices_met import ROWS
 from drystone.model import Model

@@ -1,7 +1,7 @@
 """The verdict with its proof, and the analyses that it uses."""
 
+from drystone.stability.asked import CheckOptions
 from drystone.stability.check_many import check_many
-from drystone.stability.check_options import CheckOptions
 from drystone.stability.resting import try_rest
 from drystone.stability.screening import PATIENT, QUICK, SMOOTH, Screening
 from drystone.stability.verdict import check

@@ -18,8 +18,7 @@ from drystone.formulations.nearest_mechanism import nearest_mechanism
 from drystone.io.opening import Given, LongHow, content_of, supported_model
 from drystone.results import Result
 from drystone.solvers.threads import one_blas_thread
-from drystone.stability.asked import Asked
-from drystone.stability.check_options import CheckOptions
+from drystone.stability.asked import Asked, CheckOptions
 from drystone.stability.problem import Problem
 from drystone.stability.verdict import decided
 

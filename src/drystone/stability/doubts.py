@@ -19,7 +19,7 @@ from drystone.io import files_at, format_of
 from drystone.io.several import Paths
 from drystone.loads import LoadCase
 from drystone.model import Model
-from drystone.stability.check_options import CheckOptions
+from drystone.stability.asked import CheckOptions
 from drystone.stability.verdict import FREELY, check
 from drystone.supports import select
 

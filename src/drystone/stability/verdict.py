@@ -33,9 +33,8 @@ from drystone.results import Result, Sensitivity, Verdict
 from drystone.settlement import UNDECIDED, Carrier, Outcome, Settlement, SettlementOptions
 from drystone.settlement.settling import said_longer, settle_for_verdict
 from drystone.solvers.threads import one_blas_thread
-from drystone.stability.asked import Asked
+from drystone.stability.asked import SAMPLES, Asked, CheckOptions
 from drystone.stability.attempts import Attempt, Candidate
-from drystone.stability.check_options import SAMPLES, CheckOptions
 from drystone.stability.mortar import with_brittle_mortar
 from drystone.stability.problem import (
     NO_APPROACH,

@@ -8,11 +8,11 @@ from scipy.optimize import minimize
 
 from drystone.base.arrays import dot, lengths, plane_cross
 from drystone.base.ragged import Ragged
+from drystone.friction_use import LEVER
 from drystone.geometry.kern import edge_ratio, sections
 from drystone.geometry.pressure import linear_pressure
 from drystone.geometry.quadrature import cut_face_points
 from drystone.geometry.slipping import clipped, slip_use, turned
-from drystone.mechanics.spread import LEVER
 
 SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
 ANGLE = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 0.3], [0.3, 0.3], [0.3, 1.0], [0.0, 1.0]])

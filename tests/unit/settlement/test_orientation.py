@@ -8,8 +8,8 @@ import pytest
 from drystone import Assembly, LoadCase, Model
 from drystone.base.arrays import Floats
 from drystone.geometry.frames import rotation_about
+from drystone.mechanics.corners import turned_joints
 from drystone.mechanics.increments import longest_way, travelled
-from drystone.mechanics.roles import turned_joints
 from drystone.models import arch, box, tower
 from drystone.settlement import move_supports, push
 

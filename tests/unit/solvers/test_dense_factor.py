@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from drystone.base.errors import SolverError
-from drystone.solvers.dense_factor import inverse
+from drystone.solvers.factors import inverse
 
 
 def test_the_solution_has_the_shape_of_the_right_side() -> None:

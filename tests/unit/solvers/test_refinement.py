@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from drystone.solvers.refinement import refined
+from drystone.solvers.factors import refined
 
 
 def matrix_of(digits: float) -> np.ndarray:
