@@ -134,7 +134,7 @@ class TrainEnvelope(Answer):
         train = one.at.train
         x = one.at.place - 0.5 * train.length + np.array(train.places)
         low, high = tops.ends
-        depth = np.array([tops.depth(at) for at in x.tolist()])
+        depth = tops.depth(x)
         columns = {
             "axle": np.arange(1, len(x) + 1),
             "x": x,
@@ -142,7 +142,7 @@ class TrainEnvelope(Answer):
             "load": np.array(train.loads),
             "fill_below": depth,
             "spread_along": train.contact + 2.0 * self.fill.spread * depth,
-            "borne": np.array([tops.borne(at, train.contact, train.across) for at in x.tolist()]),
+            "borne": tops.borne(x, train.contact, train.across),
             "on_the_bridge": (x >= low) & (x <= high),
         }
         units = dict.fromkeys(("x", "road", "fill_below", "spread_along"), "m")
@@ -307,9 +307,9 @@ class TrainEnvelope(Answer):
         """The share of the line load that bears at the worst place."""
         worst = self._placed[self.worst]
         ends = worst.at.ends[worst.adverse]
-        pieces = zip(ends.mean(axis=1).tolist(), np.ptp(ends, axis=1).tolist(), strict=True)
-        each = [self._crossing.tops.borne(*one, self.train.lane) for one in pieces]
-        return float(np.average(each, weights=np.ptp(ends, axis=1)))
+        long = np.ptp(ends, axis=1)
+        each = self._crossing.tops.borne(ends.mean(axis=1), long, self.train.lane)
+        return float(np.average(each, weights=long))
 
     def by_hand(self) -> Table:
         """The vertical load of the train at the worst place by hand, and that on the blocks."""

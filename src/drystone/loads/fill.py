@@ -9,7 +9,6 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import pairwise
 from typing import Any, Literal, Self
 
 import numpy as np
@@ -344,14 +343,17 @@ class Tops:
     @property
     def ends(self) -> tuple[float, float]:
         """Least and largest place [m] along the road of the free blocks under fill."""
-        free = self.strips.t[~self.assembly.fixed[self.strips.block]]
-        return float(free.min()), float(free.max())
+        return float(self._free.t.min()), float(self._free.t.max())
+
+    @cached_property
+    def _free(self) -> SeenStrips:
+        return self.strips.chosen(~self.assembly.fixed[self.strips.block])
 
     @cached_property
     def sides(self) -> Floats:
         """Least and largest place (2,) [m] across the road of the tops of free blocks."""
-        free = self.strips.chosen(~self.assembly.fixed[self.strips.block])
-        return np.array([(free.s - 0.5 * free.width).min(), (free.s + 0.5 * free.width).max()])
+        edge = 0.5 * self._free.width
+        return np.array([(self._free.s - edge).min(), (self._free.s + edge).max()])
 
     @cached_property
     def _carriageway(self) -> SeenStrips:
@@ -363,21 +365,25 @@ class Tops:
         """[m], across the road, of the free blocks."""
         return float(np.ptp(self.sides))
 
-    def _wide(self, low: float, high: float) -> float:
-        """Mean width [m] of the tops between two places along the road."""
-        part = self._carriageway.within(low, high)
-        if not len(part.block):
-            return self.breadth
-        return float(part.width.mean(axis=1) @ np.ptp(part.t, axis=1) / np.ptp(part.t))
+    def _wide(self, low: Floats, high: Floats) -> Floats:
+        """Mean width (p,) [m] of the tops between two places along the road."""
+        part, one = self._carriageway.within(low, high)
+        first, last = np.full(len(low), np.inf), np.full(len(low), -np.inf)
+        np.minimum.at(first, one, part.t[:, 0])
+        np.maximum.at(last, one, part.t[:, 1])
+        area = np.bincount(one, part.width.mean(axis=1) * np.ptp(part.t, axis=1), len(low))
+        return np.divide(area, last - first, np.full(len(low), self.breadth), where=last > first)
 
-    def depth(self, x: float) -> float:
-        """[m], from the road to the mean free top at a place, or at the nearest that has one."""
-        mine = self.strips.chosen(~self.assembly.fixed[self.strips.block])
-        away = np.maximum(np.maximum(mine.t[:, 0] - x, x - mine.t[:, 1]), 0.0)
-        here = mine.chosen(away <= away.min() + 1e-9 * self.breadth)
-        share = np.clip((x - here.t[:, 0]) / np.ptp(here.t, axis=1), 1e-9, 1.0 - 1e-9)
-        width, top = (one[:, 0] + share * np.diff(one)[:, 0] for one in (here.width, here.r))
-        return max(float(self.level(np.array(x)) - np.average(top, weights=width)), 0.0)
+    def depth(self, x: Floats) -> Floats:
+        """(p,) [m], from the road to the mean free top at places, or at the nearest with one."""
+        low, high = self._free.t.T
+        away = np.maximum(np.maximum(low - x[:, None], x[:, None] - high), 0.0)
+        one, own = np.nonzero(away <= away.min(axis=1, keepdims=True) + 1e-9 * self.breadth)
+        here = self._free.chosen(own)
+        share = np.clip((x[one] - here.t[:, 0]) / np.ptp(here.t, axis=1), 1e-9, 1.0 - 1e-9)
+        width, top = (each[:, 0] + share * np.diff(each)[:, 0] for each in (here.width, here.r))
+        mean = np.bincount(one, width * top) / np.bincount(one, width)
+        return np.maximum(self.level(x) - mean, 0.0)
 
     def pressed(self, vertical: float, horizontal: float) -> Floats:
         """Wrenches (n, 6) of shares of the pressure of the weight, down and inwards."""
@@ -539,50 +545,58 @@ class Tops:
 
         return traction
 
-    def piece(self, line: float, across: float, low: float, high: float) -> Floats:
-        """Wrenches (n, 6) of a line load [N/m] on a piece of the road; kept for the next place."""
-        asked = line, across, low, high
-        if asked not in self._pieces:
-            long = high - low
-            self._pieces[asked] = self.spread(line * long, 0.5 * (low + high), long, across)
-        return self._pieces[asked]
+    def pieces(self, line: float, across: float, ends: Floats) -> Floats:
+        """Wrenches (p, n, 6) of a line load [N/m] on pieces (p, 2) of the road; kept."""
+        asked = [(line, across, *each) for each in ends.tolist()]
+        new = [i for i, each in enumerate(asked) if each not in self._pieces]
+        long = np.ptp(ends[new], axis=1)
+        made = self.spread(line * long, ends[new].mean(axis=1), long, across)
+        self._pieces.update(zip([asked[i] for i in new], made, strict=True))
+        return np.array([self._pieces[each] for each in asked])
 
     @cached_property
     def _pieces(self) -> dict[tuple[float, ...], Floats]:
         return {}
 
-    def borne(self, x: float, contact: float, across: float) -> float:
-        """The share of a force on a piece of the road [m] that spreads on the bridge."""
+    def borne(self, x: Floats, contact: Floats | float, across: float) -> Floats:
+        """The shares (p,) of forces on pieces of the road (p,) [m] that spread on the bridge."""
         if across == 0.0:
-            return 1.0
+            return np.ones(len(x))
         deep = self.fill.spread * self.depth(x)
         reach = 0.5 * contact + deep
-        return min(1.0, self._wide(x - reach, x + reach) / (across + 2.0 * deep))
+        return np.minimum(self._wide(x - reach, x + reach) / (across + 2.0 * deep), 1.0)
 
-    def spread(self, force: float, x: float, contact: float, across: float) -> Floats:
-        """Wrenches (n, 6) of a force [N] down on the road at a place.
+    def spread(
+        self, force: Floats | float, x: Floats, contact: Floats | float, across: float
+    ) -> Floats:
+        """Wrenches (p, n, 6) of forces [N] down on the road at places (p,), each alone.
 
         Parameters
         ----------
-        force
+        force : (p,) [N]
+            One for all, or of each, as the contact.
         x
-        contact, across : [m]
-            Length along and width across the road on which it acts; over the whole width where
-            ``across`` is zero. A bridge that is narrower there than the width through which it
-            spreads bears its share.
+        contact : (p,) [m]
+            Length along the road on which it acts.
+        across : [m]
+            Width on which it acts; the whole one where it is zero. A bridge that is narrower there
+            than the width through which it spreads bears its share.
         """
-        depth = self.depth(x)
-        reach = max(0.5 * contact + self.fill.spread * depth, 1e-6 * self.breadth)
-        force *= self.borne(x, contact, across)
-        if self.fill.law == "boussinesq" and depth > 0.0:
-            places = x + np.linspace(-8.0, 8.0, 129) * max(depth, 0.5 * contact)
-            part = self._carriageway.within(places[0], places[-1]).cut_at(places)
-            return part.wrenches(self.assembly, self._elastic(force, places, contact, depth))
+        depth, contact = self.depth(x), np.broadcast_to(contact, len(x))
+        reach = np.maximum(0.5 * contact + self.fill.spread * depth, 1e-6 * self.breadth)
+        force = force * self.borne(x, contact, across)
         even = 0.5 * force / (reach * self._wide(x - reach, x + reach))
-        part = self._carriageway.within(x - reach, x + reach)
-        return part.wrenches(
-            self.assembly, lambda at: np.tile([0.0, 0.0, -even], (len(at.point), 1))
+        part, one = self._carriageway.within(x - reach, x + reach)
+        found = even[:, None, None] * part.wrenches_of(
+            one, len(x), self.assembly, lambda at: np.tile(DOWN, (len(at.point), 1))
         )
+        if self.fill.law == "boussinesq":
+            for i in np.flatnonzero(depth > 0.0):
+                places = x[i] + np.linspace(-8.0, 8.0, 129) * max(depth[i], 0.5 * contact[i])
+                part = self._carriageway.within(places[:1], places[-1:])[0].cut_at(places)
+                law = self._elastic(force[i], places, contact[i], depth[i])
+                found[i] = part.wrenches(self.assembly, law)
+        return found
 
     def _elastic(self, force: float, places: Floats, contact: float, depth: float) -> Traction:
         """Vertical pressure below an even strip load on an elastic half space, over the width.
@@ -590,14 +604,14 @@ class Tops:
         Source: Boussinesq 1885, as integrated over a strip by Terzaghi 1943, section 136.
         """
         half = max(0.5 * contact, 1e-6 * depth)
-        wide = [self._wide(*ends) for ends in pairwise(places.tolist())]
+        wide = self._wide(places[:-1], places[1:])
 
         def traction(at: Spots) -> Floats:
             along = at.point @ self.strips.axes[0]
             away = along - 0.5 * (places[0] + places[-1])
             near, far = np.arctan((away - half) / depth), np.arctan((away + half) / depth)
             share = (far - near + 0.5 * (np.sin(2.0 * far) - np.sin(2.0 * near))) / np.pi
-            line = force / np.array(wide)[np.searchsorted(places[1:-1], along)]
+            line = force / wide[np.searchsorted(places[1:-1], along)]
             return np.column_stack([np.zeros((len(share), 2)), -share * line / (2.0 * half)])
 
         return traction

@@ -166,10 +166,14 @@ class SeenStrips(OneLine):
         high = np.where(rank == count[own], self.t[own, 1], inner[first[own] + rank])
         return self.chosen(own)._between(low, high)
 
-    def within(self, low: float, high: float) -> SeenStrips:
-        """Their parts between two places [m] along t."""
-        inside = self.chosen((self.t[:, 0] < high) & (self.t[:, 1] > low))
-        return inside._between(np.maximum(inside.t[:, 0], low), np.minimum(inside.t[:, 1], high))
+    def within(self, low: Floats, high: Floats) -> tuple[SeenStrips, Ints]:
+        """Their parts between two places (p,) [m] along t, and between which each is."""
+        one, own = np.nonzero((self.t[:, 0] < high[:, None]) & (self.t[:, 1] > low[:, None]))
+        t = self.t[own]
+        part = self.chosen(own)._between(
+            np.maximum(t[:, 0], low[one]), np.minimum(t[:, 1], high[one])
+        )
+        return part, one
 
     def parted(self, value: Floats, least: float) -> tuple[SeenStrips, Ints]:
         """The same strips, cut where a value is zero that goes from one end to the other.
@@ -265,13 +269,13 @@ class SeenStrips(OneLine):
         return SurfaceLoad(mine.block[some], point[some], pressed[some], wrench)
 
     def wrenches(self, assembly: Assembly, traction: Traction) -> Floats:
-        """Wrenches (n, 6) [N, N m] of a traction on the blocks.
+        """Wrenches (n, 6) [N, N m] of a traction on the blocks."""
+        return self.wrenches_of(np.zeros(len(self.block), dtype=np.intp), 1, assembly, traction)[0]
 
-        Parameters
-        ----------
-        assembly
-        traction
-        """
+    def wrenches_of(
+        self, group: Ints, count: int, assembly: Assembly, traction: Traction
+    ) -> Floats:
+        """Wrenches (count, n, 6) [N, N m] of a traction on each group (m,) of them."""
         ends = np.stack([1.0 - _GAUSS, _GAUSS]).repeat(2, axis=1)  # (2, 6)
         t, s, width, r = (one @ ends for one in (self.t, self.s, self.width, self.r))
         beside = width * np.tile([-0.5, 0.5], 3) / np.sqrt(3.0)  # exact to the third degree
@@ -280,10 +284,9 @@ class SeenStrips(OneLine):
         steep = np.repeat(self.slope, 6, axis=0)
         point = np.stack([t.ravel(), s.ravel(), r.ravel()], axis=1) @ self.axes
         force = area.reshape(-1, 1) * traction(Spots(point, steep)) @ self.axes
-        block = np.repeat(self.block, 6)
-        found = np.zeros((len(assembly), 6))
-        np.add.at(found[:, :3], block, force)
-        np.add.at(found[:, 3:], block, np.cross(point - assembly.centroid[block], force))
+        block, found = np.repeat(self.block, 6), np.zeros((count, len(assembly), 6))
+        moment = np.cross(point - assembly.centroid[block], force)
+        np.add.at(found, (np.repeat(group, 6), block), np.column_stack([force, moment]))
         return found
 
 

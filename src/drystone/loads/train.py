@@ -163,8 +163,8 @@ class Train(Options):
             known = {key: read(str(found[key])) for key, read in _READ.items() if key in found}
             return cls(name, places, loads, source=str(found.get("source", "")), **known)
 
-    def on(self, tops: Tops, middle: float) -> Floats:
-        """Wrenches (n, 6) of its axles on a bridge, its middle at a place [m] along the road."""
+    def on(self, tops: Tops, middle: Floats) -> Floats:
+        """Wrenches (p, n, 6) of its axles on a bridge, its middle at places (p,) [m] along it."""
         first = middle - 0.5 * self.length
         each = zip(self.places, self.loads, strict=True)
         wrenches: Sequence[Floats] = [
@@ -185,7 +185,7 @@ class Train(Options):
         if not self.line:
             return np.zeros((0, 2)), np.zeros((0, len(tops.assembly), 6))
         low, high = tops.ends
-        reach = tops.fill.spread * max(tops.depth(low), tops.depth(high))
+        reach = tops.fill.spread * tops.depth(np.array([low, high])).max()
         cuts = np.linspace(low - reach, high + reach, 49)
         free = np.zeros(48, dtype=bool)
         if self.clear is not None:
@@ -193,7 +193,7 @@ class Train(Options):
             cuts = np.union1d(cuts, np.clip([middle - away, middle + away], cuts[0], cuts[-1]))
             free = np.abs(0.5 * (cuts[1:] + cuts[:-1]) - middle) < away
         ends = np.stack([cuts[:-1], cuts[1:]], axis=1)[~free]
-        return ends, np.array([tops.piece(self.line, self.lane, a, b) for a, b in ends.tolist()])
+        return ends, tops.pieces(self.line, self.lane, ends)
 
 
 def _axles(texts: Sequence[Any], where: str) -> tuple[tuple[float, ...], tuple[float, ...]]:

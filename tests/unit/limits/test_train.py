@@ -147,7 +147,7 @@ def test_no_stretch_of_the_line_load_is_worse_than_the_one_found(bridge: Model) 
     place = float(found.places[0])
     tops = Tops.of(bridge.assembly, FILL)
     loaded = bridge.with_load(bridge.load + FILL.on(bridge.assembly))
-    axle = train.on(tops, place)
+    axle = train.on(tops, found.places)[0]
     ends, pieces = train.pieces(tops, place)
     assert pieces.sum(axis=(0, 1))[2] == pytest.approx(-3e4 * np.diff(tops.ends)[0], rel=3e-2)
     for first in range(0, len(ends), 8):
