@@ -148,7 +148,8 @@ class Offered(OneLine):
     shown
         Options that the help shows; others are shown by ``--help-all``.
     writes
-        What its answer can write beside pictures: ``joints``, a ``model``, a ``film``, or nothing.
+        What its answer can write beside pictures: ``joints``, a ``model``, that of a ``train``
+        and a film, or nothing.
     names
         Options that are offered, such as ``options.scan``; all when left out.
     """
@@ -156,7 +157,7 @@ class Offered(OneLine):
     analysis: Callable[..., Any]
     example: str = ""
     shown: tuple[str, ...] = ()
-    writes: Literal["", "joints", "model", "film"] = ""
+    writes: Literal["", "joints", "model", "train"] = ""
     names: tuple[str, ...] | None = None
 
     @property

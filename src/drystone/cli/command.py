@@ -32,7 +32,7 @@ from drystone.cli.offered import (
     param_of,
 )
 from drystone.cli.output import UsageFault
-from drystone.cli.told import Pictures, Told, WithFilm, WithModel, Written, finish
+from drystone.cli.told import Pictures, Told, WithLoaded, WithModel, Written, finish
 from drystone.cli.waiting import UNDER_WAY, Waiting
 
 if TYPE_CHECKING:
@@ -249,7 +249,7 @@ def _help_all(ctx: click.Context, _: click.Parameter, asked: bool) -> None:
         ctx.exit()
 
 
-_FILES: Mapping[str, type[Pictures]] = {"joints": Written, "model": WithModel, "film": WithFilm}
+_FILES: Mapping[str, type[Pictures]] = {"joints": Written, "model": WithModel, "train": WithLoaded}
 """The files of answers, by what they can write beside pictures."""
 
 
@@ -323,13 +323,23 @@ class AnalysisCommand(Command):
         wanted.require_through(model.assembly)
         notes = list(model.notes)
         more = {name: text for name, text in more.items() if text is not None}
-        for name in more:
+        under: list[str] = []
+        for name, text in more.items():
             if _is_load(self.arguments[name]):
-                more[name] = subject.case_of(more[name], model)
+                under += _option_of(text)
+                more[name] = subject.case_of(text, model)
                 notes += more[name].notes
         found = asked.of(waiting, model, **more)
         notes += [one for one in found.asked.notes if one not in notes]
-        return Told(found, notes=notes, files=partial(wanted.of, found))
+        short = under and found.news.value != "good"  # the load is not carried as it was given
+        then = subject.command("mend", *under) if short else ""
+        return Told(found, notes=notes, files=partial(wanted.of, found), then=then)
+
+
+def _option_of(text: str) -> list[str]:
+    """The option that puts a load in words on the model; nothing for a case of its file."""
+    kind, colon, rest = text.partition(":")
+    return ["--seismic", rest] if kind == "seismic" else ["--load", text] if colon else []
 
 
 def _is_load(one: Declared) -> bool:

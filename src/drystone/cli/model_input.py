@@ -100,8 +100,8 @@ class Subject:
         """Arguments of :func:`drystone.read`."""
         return dict(self.reading.given)
 
-    def command(self, name: str) -> str:
-        """Another command on the same model, as it is typed."""
+    def command(self, name: str, *more: str) -> str:
+        """Another command on the same model, as it is typed, with more behind it."""
         words = ["drystone", *name.split(), *self.each]
         for key, given in self.how.items():
             flag = _FLAGS.get(key, f"--{key.replace('_', '-')}")
@@ -111,7 +111,7 @@ class Subject:
                     if one is True
                     else [flag, f"{one:.6g}" if isinstance(one, float) else str(one)]
                 )
-        return shlex.join(words)
+        return shlex.join([*words, *more])
 
     def uncut(self, assembly: Assembly) -> list[str]:
         """How a surface is cut into blocks, where the file has one body and no joint."""

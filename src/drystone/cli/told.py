@@ -263,8 +263,7 @@ class WithFilm(Pictures):
     """The film of an answer with several stages too."""
 
     film: Annotated[
-        Path | None,
-        writes("Write a film of the stages, .gif.", ".gif", expert=True),
+        Path | None, writes("Write a film of the stages, .gif.", ".gif", expert=True)
     ] = None
 
     def of(self, answer: Any) -> Files:
@@ -334,7 +333,7 @@ class WithModel(Pictures):
     out: Annotated[
         Path | None,
         Option(
-            "Write the changed model; the suffix determines the format, as with convert.",
+            "Write the changed or loaded model; the suffix determines the format, as with convert.",
             OUTPUT,
             kind=kinds.MODEL_FILE,
         ),
@@ -355,14 +354,20 @@ class WithModel(Pictures):
         from drystone import io
         from drystone.io.registry import contents_of
 
-        origin = getattr(answer.before, "origin", answer.model.origin)
+        made = getattr(answer, "loaded", answer.model)
+        origin = getattr(getattr(answer, "before", None), "origin", made.origin)
         units = origin.units
-        write = partial(io.write, answer.model, units=units)
+        write = partial(io.write, made, units=units)
         chosen = io.format_of(self.out, writing=True)
-        said = [*said, *left_out(chosen, units, contents_of(answer.model))]
+        said = [*said, *left_out(chosen, units, contents_of(made))]
         if "up" in origin.reading:
             said.append(f"z is up in {self.out.name}")
         return [(self.out, write), *jobs], said
+
+
+@dataclass(frozen=True)
+class WithLoaded(WithFilm, WithModel):
+    """The film of a train, and the bridge under it."""
 
 
 def left_out(chosen: Format, units: str, contents: Contents) -> list[str]:

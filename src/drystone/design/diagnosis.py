@@ -14,7 +14,7 @@ from typing import Any, Unpack
 import numpy as np
 
 from drystone.answer import Answer, Layer, LayerKind, Role, Scene, Sentence
-from drystone.base.arrays import Floats, frozen
+from drystone.base.arrays import SAME, Floats, frozen, lengths
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
 from drystone.base.progress import Clock, Stopped
@@ -293,7 +293,9 @@ class Diagnosis(Answer):
     def missing(self) -> tuple[Floats, Floats]:
         """The same of the missing force of each region that no props were found to hold."""
         bare = [region.needs for region in self.regions if not region.needs.props.props]
-        return _arrows([(needs.point, needs.force) for needs in bare if needs.force.any()])
+        least = SAME * float(lengths(self.model.load.wrench[:, :3]).max())  # else a moment is
+        missing = [one for one in bare if np.linalg.norm(one.force) > least]
+        return _arrows([(needs.point, needs.force) for needs in missing])
 
     @property
     def title(self) -> str:

@@ -35,12 +35,7 @@ _ROUNDS = 20
 
 
 @checked_call
-def mend(
-    given: Given,
-    *,
-    options: MendOptions | None = None,
-    **how: Unpack[LongHow],
-) -> Changed:
+def mend(given: Given, *, options: MendOptions | None = None, **how: Unpack[LongHow]) -> Changed:
     """The structure with the lowest-cost mend of each region, until it stands.
 
     The heaviest region comes first; one that no mend holds is passed over, and tried once more when

@@ -85,7 +85,7 @@ LIMITS: Mapping[str, Offered] = {
     "sweep": Offered(tilt_sweep, "arch.json --directions 3", ("directions",)),
     "thrust": Offered(thrust_bounds, "arch.json springer-right", ("direction",)),
     "tilt": Offered(limit_tilt, "arch.json --axis y", ("axis",)),
-    "train": Offered(limit_train, "arch.json --steps 5", ("train", "fill", "steps"), writes="film"),
+    "train": Offered(limit_train, "arch.json --steps 5", ("train", "fill", "steps"), "train"),
 }
 """The limits of a model, by what the command line and other programs call them."""
 

@@ -172,7 +172,7 @@ class Limit(LimitValues, Answer):
         if stands is not None:
             least = AT_LEAST if self.capped else ""
             least = " at least" if self.stopped and self.best.falls is None else least
-            return f"{self._verb} {self._quantity(stands)}{least}"
+            return f"{self._head} {self._quantity(stands)}{least}"
         if self._open:
             return f"Not decided at {start}"
         if self.best.falls == self.start:
@@ -181,12 +181,16 @@ class Limit(LimitValues, Answer):
         return tried if self._known else "Nothing is known yet"
 
     @property
-    def news(self) -> Role:
-        """Not good where a load is not carried as it was given; how much is, is the answer."""
-        stands, first = self.best.stands, super().news
-        every = None if stands is None else self.quantity.acting + stands
-        short = self.quantity.name == "load factor" and every is not None and every < 1.0
-        return Role.UNSURE if short and first is Role.GOOD else first
+    def _below_given(self) -> bool:
+        """Whether a load is not carried as it was given."""
+        falls = self.best.falls
+        loaded = self.quantity.name == "load factor" and falls is not None
+        return loaded and self.quantity.acting + float(falls or 0.0) <= 1.0
+
+    @property
+    def code(self) -> int:
+        """0 where a limit is found, whatever it is."""
+        return int(self.best.stands is None)
 
     def sentences(self) -> Sequence[Sentence]:
         """Up to which value it stands, what gives way beyond, and where the joints decide."""
@@ -194,8 +198,8 @@ class Limit(LimitValues, Answer):
         falling = self.best.falling
         if self._open and falling is not None:
             return [Sentence(f"{self.title}: {falling.message}", Role.UNSURE)]
-        role = Role.BAD if self._known else Role.UNSURE
-        said = [Sentence(self.title, Role.GOOD if found else role)]
+        role = Role.BAD if self._known and not found else Role.UNSURE
+        said = [Sentence(self.title, Role.GOOD if found and not self._below_given else role)]
         if self.quantity.inverse and self.best.stands:
             inverse = rounded_down(1.0 / self.best.stands)
             said.append(Sentence(f"{self.quantity.inverse}: {inverse:g}"))
@@ -359,11 +363,14 @@ class Limit(LimitValues, Answer):
         return [*told, *(one.text for one in self.sentences() if one.role is Role.REMARK)]
 
     @property
-    def _verb(self) -> str:
+    def _head(self) -> str:
         """Up to which value, or down to which, it stands; or forces could balance only."""
-        others = (self.rest, self.uniform, self.robust)
-        stands = "Stands" if any(others) else "Forces balance"
-        return f"{stands} {'up' if self.end >= self.start else 'down'} to"
+        stands = any((self.rest, self.uniform, self.robust))
+        if self._below_given:
+            less = "Does not stand under" if stands else "No forces balance"
+            return f"{less} the load as given, only up to"
+        stood = "Stands" if stands else "Forces balance"
+        return f"{stood} {'up' if self.end >= self.start else 'down'} to"
 
     def _quantity(self, value: float) -> str:
         """A value in words."""

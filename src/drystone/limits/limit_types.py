@@ -414,9 +414,7 @@ class Shrunk(OneLine):
 
     model: Model
     quantity: ClassVar[Quantity] = Quantity(
-        "size of the joints",
-        phrase="of the size of the joints",
-        inverse="geometric safety factor",
+        "size of the joints", phrase="of the size of the joints", inverse="geometric safety factor"
     )
 
     def __call__(self, value: float) -> Model:

@@ -77,6 +77,11 @@ class TrainEnvelope(Answer):
         return self._placed[int(np.argmin(np.abs(self.places - place)))].live
 
     @property
+    def loaded(self) -> Model:
+        """The bridge with the train at the worst place, such as for mends."""
+        return self.model.with_load(self.model.load + self._placed[self.worst].live)
+
+    @property
     def worst(self) -> int:
         """The place with the least factor; of equal ones the first.
 
@@ -167,11 +172,12 @@ class TrainEnvelope(Answer):
             "axles", "axles",
             LayerKind.ARROWS, "load", at, down, single=True, width=3.0, group="axles",
         )]  # fmt: skip
-        for a, b in self._placed[place].line.tolist():
-            cuts = np.linspace(a, b, int(b - a) + 2)  # arrows a metre apart at most
-            x = 0.5 * (cuts[1:] + cuts[:-1])
-            at = tops.on_road(x)
-            down = np.tile([0.0, 0.0, -self.train.line], (len(x), 1))
+        stretches = self._placed[place].line.tolist()
+        if stretches:
+            cuts = [np.linspace(a, b, int(b - a) + 2) for a, b in stretches]
+            # arrows a metre apart at most
+            at = tops.on_road(np.concatenate([0.5 * (one[1:] + one[:-1]) for one in cuts]))
+            down = np.tile([0.0, 0.0, -self.train.line], (len(at), 1))
             layers.append(Layer(
                 "line", "line load", LayerKind.ARROWS, "load", at, down, unit="N/m", single=True,
                 group="axles",
@@ -264,6 +270,9 @@ class TrainEnvelope(Answer):
             )
             said.append(Sentence(why))
             said += self.limit.sentences()[self.limit.stands is not None :]
+        if not self._carried:
+            how = "--out worst.json writes the bridge under it, for 'drystone mend worst.json'"
+            said.append(Sentence(f"what would carry the train: {how}"))
         if self.stopped:
             every = max(self.asked_for, len(self.places))
             missing = f"{len(self.places)} of {counted(every, 'place')}"
@@ -340,11 +349,7 @@ class TrainEnvelope(Answer):
 
     def tables(self) -> Sequence[Table]:
         """The factors by place."""
-        columns = {
-            "place": self.places,
-            "load_factor": self.factors,
-            "carries": list(self.carries),
-        }
+        columns = {"place": self.places, "load_factor": self.factors, "carries": list(self.carries)}
         return [Table(f"load factor by place{self._ductile}", columns, {"place": "m"},
                      {"load_factor": False})]  # fmt: skip
 
@@ -518,11 +523,7 @@ def limit_train(
     if envelope.falls_alone or not np.isfinite(factor):
         return envelope
     limit = limit_load(
-        model,
-        worst.live,
-        upper=max(2.0 * factor, 1e-3),
-        options=chosen,
-        stop=clock.late,
+        model, worst.live, upper=max(2.0 * factor, 1e-3), options=chosen, stop=clock.late
     )
     return replace(envelope, limit=limit, stopped=clock.reason)
 

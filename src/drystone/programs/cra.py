@@ -56,12 +56,7 @@ class CRAOptions(Options):
 
 @checked_call
 @one_blas_thread()
-def solve_cra(
-    given: Given,
-    *,
-    options: CRAOptions | None = None,
-    **how: Unpack[LongHow],
-) -> Result:
+def solve_cra(given: Given, *, options: CRAOptions | None = None, **how: Unpack[LongHow]) -> Result:
     """Forces and a virtual motion with equal overlaps wherever force passes (eq. 5.6).
 
     A state is searched along the path of the loads; states that jam are not. Where none is found,
@@ -180,11 +175,7 @@ SPRING_LEFT = 1e-7
 
 
 def equal_overlap(
-    statics: Statics,
-    start: RestState,
-    slip: float,
-    *,
-    stop: Callable[[], bool],
+    statics: Statics, start: RestState, slip: float, *, stop: Callable[[], bool]
 ) -> RestState:
     """Follow the overlaps of a rest state until they are equal, or as far as they can be followed.
 

@@ -674,6 +674,10 @@ def test_what_stands_where_the_search_ends_is_told_as_a_bound() -> None:
     small = limit_load(tower(2), "block-1:0,0,-1", upper=7.0)
     assert small.title == "Stands up to load factor 7 at least, where the search ends"
     assert small.sentences()[-1].text == "searched from 0 to 7; --upper goes on"
+    short = limit_load(tower(2), (9.81, 0.0, 0.0), friction=0.5)
+    told = "Does not stand under the load as given, only up to load factor 0.49997"
+    assert short.title == told
+    assert (short.news, short.code) == (Role.UNSURE, 0)
     assert limit_friction(tower(2)).title == "Stands down to friction 0"
     swept = tilt_sweep(tower(2), 2, upper=5.0)
     told = "Stands up to 5 degrees at least, where the search ends, towards each of 2 directions"

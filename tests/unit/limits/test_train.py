@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drystone import Assembly, InputError, JointCapacity, LoadCase, Model, check
+from drystone import Assembly, InputError, JointCapacity, LoadCase, Model, check, read
 from drystone.answer import Role
 from drystone.cli import main
 from drystone.formulations.equilibrium import LoadFactors
@@ -54,6 +54,7 @@ def test_the_worst_place_stands_just_below_its_limit_and_falls_just_above(bridge
     under = replace(near, limit=replace(found.limit, rest=rest))
     assert under.title.startswith("Does not carry 'axle', only 0.9331 of it, least at x")
     assert under.code == 1
+    assert "drystone mend worst.json" in under.sentences()[-1].text
     first, beyond = under.layers().stages[:2]
     assert first.headline == under.title
     assert first.verdict is Verdict.UNSTABLE
@@ -131,6 +132,8 @@ def test_a_line_load_tips_a_plank_from_beyond_its_rest(clear: float | None, arm:
     weight = float(PLANK.mass[1]) * 9.81
     at = int(np.argmin(np.abs(found.places - 1.5)))
     assert found.places[at] == pytest.approx(1.5)
+    labels = [one.label for one in found.layers().stages[at].layers if one.group == "axles"]
+    assert len(labels) == len(set(labels))  # each stretch of the line load is in one row
     assert found.factors[at] == pytest.approx(weight / (500.0 * 0.5 + 1000.0 * arm), rel=1e-6)
     middle = int(np.argmin(np.abs(found.places - 0.5)))
     if clear is None:
@@ -337,9 +340,11 @@ def test_the_command_draws_the_envelope(
     assert main([*words, "--fill", "cover=0.3m,weight=20kN/m3"]) == 2
     assert "film: one stage is no film" in capsys.readouterr().err
     words = "limit train b.json --train lm1 --steps 3 --html b.html".split()  # noqa: SIM905
-    assert main([*words, "--fill", "cover=0.3m,weight=20kN/m3"]) == 0
+    fill = "cover=0.3m,weight=20kN/m3"
+    assert main([*words, "--fill", fill, "--out", "under.json"]) == 0
     assert "Stands under 'lm1' up to load factor" in capsys.readouterr().out
     assert "Largest load factor" in Path("b.html").read_text("utf-8")
+    assert " + lm1 at x = " in read("under.json").load.name
 
 
 @pytest.mark.parametrize(
