@@ -21,7 +21,6 @@ from drystone.design.joint_cut import (
 )
 from drystone.geometry.frames import rotation_about, unit
 from drystone.geometry.glue import cut_cell, glue
-from drystone.geometry.polygon import area_vector
 from drystone.geometry.polyhedron import Piece, stack_faces
 from drystone.model import Model
 
@@ -208,7 +207,8 @@ def thickness_of(model: Model, block: int) -> tuple[tuple[int, int], Floats]:
     Errors as for :func:`thicken_blocks`.
     """
     body = model.assembly.blocks[block]
-    faces, (normal, offset) = stack_faces([body.vertices], [body.faces]), face_planes(body)
+    faces = stack_faces([body.vertices], [body.faces])
+    normal, offset = faces.normals, dot(faces.normals, faces.middles)
     largest = np.argsort(-lengths(faces.area_vectors), kind="stable").tolist()
     free = [k for k in largest if not _in_joint(model, block, normal[k], offset[k])]
     pairs = [(one, two) for one, two in combinations(free, 2) if normal[one] @ normal[two] < -0.5]
@@ -269,18 +269,20 @@ def with_moved_faces(body: Block, distances: Mapping[int, float]) -> Block:
 
 def _refuse_swallowed(body: Block, vertices: Floats) -> None:
     """Refuse new vertices with which a face or an edge of a block is gone or turned around."""
-    for face, loop in enumerate(body.faces):
-        before, after = body.vertices[list(loop)], vertices[list(loop)]
-        was, area = area_vector(before), area_vector(after)
-        sizes = float(np.linalg.norm(was) * np.linalg.norm(area))
-        edge, turned = (np.roll(corner, -1, axis=0) - corner for corner in (before, after))
-        kept = ((edge * turned).sum(axis=1) > 0.0) | ~edge.any(axis=1)
-        if was @ area < 0.999 * sizes or sizes == 0.0 or not kept.all():
-            raise InputError(
-                "would remove a whole face",
-                where=f"block '{body.name}', face {face}",
-                remedy="move it less",
-            )
+    faces = stack_faces([body.vertices, vertices], [body.faces, body.faces])
+    corner = faces.point[faces.loop]
+    was, area = faces.area_vectors.reshape(2, -1, 3)
+    edge, turned = (corner[faces.corners.following] - corner).reshape(2, -1, 3)
+    sizes = lengths(was) * lengths(area)
+    gone = (dot(was, area) < 0.999 * sizes) | (sizes == 0.0)
+    lost = (dot(edge, turned) <= 0.0) & edge.any(axis=1)
+    gone[faces.corners.owner[: len(edge)][lost]] = True
+    if gone.any():
+        raise InputError(
+            "would remove a whole face",
+            where=f"block '{body.name}', face {int(gone.argmax())}",
+            remedy="move it less",
+        )
 
 
 def face_planes(block: Block) -> tuple[Floats, Floats]:
