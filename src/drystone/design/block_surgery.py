@@ -206,18 +206,17 @@ def thickness_of(model: Model, block: int) -> tuple[tuple[int, int], Floats]:
 
     Errors as for :func:`thicken_blocks`.
     """
-    body = model.assembly.blocks[block]
-    faces = stack_faces([body.vertices], [body.faces])
-    normal, offset = faces.normals, dot(faces.normals, faces.middles)
-    largest = np.argsort(-lengths(faces.area_vectors), kind="stable").tolist()
-    free = [k for k in largest if not _in_joint(model, block, normal[k], offset[k])]
-    pairs = [(one, two) for one, two in combinations(free, 2) if normal[one] @ normal[two] < -0.5]
-    if not pairs:
-        raise InputError(
-            "has no two free faces", where=f"block '{body.name}'", remedy="choose another"
-        )
-    one, two = pairs[0]
-    return (one, two), (offset[one] - float(normal[one] @ faces.middles[two])) * normal[one]
+    faces = model.assembly.faces
+    own = slice(*np.searchsorted(faces.owner, (block, block + 1)))
+    normal, middle = faces.normals[own], faces.middles[own]
+    offset = dot(normal, middle)
+    largest = np.argsort(-lengths(faces.area_vectors[own]), kind="stable").tolist()
+    for one, two in combinations(largest, 2):
+        away = normal[one] @ normal[two] < -0.5
+        if away and not any(_in_joint(model, block, normal[k], offset[k]) for k in (one, two)):
+            return (one, two), (offset[one] - float(normal[one] @ middle[two])) * normal[one]
+    where = f"block '{model.assembly.names[block]}'"
+    raise InputError("has no two free faces", where=where, remedy="choose another")
 
 
 def _in_joint(model: Model, block: int, normal: Floats, offset: float) -> bool:
@@ -273,8 +272,7 @@ def _refuse_swallowed(body: Block, vertices: Floats) -> None:
     corner = faces.point[faces.loop]
     was, area = faces.area_vectors.reshape(2, -1, 3)
     edge, turned = (corner[faces.corners.following] - corner).reshape(2, -1, 3)
-    sizes = lengths(was) * lengths(area)
-    gone = (dot(was, area) < 0.999 * sizes) | (sizes == 0.0)
+    gone = dot(was, area) <= 0.999 * lengths(was) * lengths(area)
     lost = (dot(edge, turned) <= 0.0) & edge.any(axis=1)
     gone[faces.corners.owner[: len(edge)][lost]] = True
     if gone.any():
