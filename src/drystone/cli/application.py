@@ -293,9 +293,11 @@ def _in_our_words(error: click.UsageError) -> output.UsageFault:
         known = [name for one in params for name in one.opts]
         return output.UsageFault(what, remedy=_meant(error.option_name, known, ctx))
     if isinstance(error, click.MissingParameter):
-        return output.UsageFault(
-            "is missing", where=kinds.named(error.param), remedy=kinds.see(ctx)
-        )
+        # of several models and a last argument the parser gives all that was written to the last
+        more = [one for one in params if isinstance(one, click.Argument) and one.required]
+        some = more if isinstance(error.param, click.Argument) else [error.param]
+        where = " or ".join(map(kinds.named, some))
+        return output.UsageFault("is missing", where=where, remedy=kinds.see(ctx))
     if isinstance(error, click.BadOptionUsage):
         flags = [name for one in params if getattr(one, "is_flag", False) for name in one.opts]
         what = "takes no value" if error.option_name in flags else "needs a value"

@@ -182,11 +182,14 @@ def move_face(model: Model, block: int | str, face: int, distance: float) -> Mod
     return changed(model, {i: with_moved_faces(body, {face: number(distance, "the distance")})})
 
 
-def thicken_blocks(model: Model, blocks: Sequence[int], share: float) -> Model:
+def thicken_blocks(
+    model: Model, blocks: Sequence[int], share: float, axes: Floats | None = None
+) -> Model:
     """The model with blocks thicker by a share of their thickness, thinner below zero.
 
     The thickness of a block is between the two largest faces that are in no joint and look away
-    from each other; each of them is moved by half of it.
+    from each other; each of them is moved by half of it. ``axes`` (b, 3) are axes about which the
+    blocks turn: their thickness is across these, where they have faces there.
 
     Raises
     ------
@@ -194,23 +197,24 @@ def thicken_blocks(model: Model, blocks: Sequence[int], share: float) -> Model:
         A block has no such faces, or one of them cannot be moved.
     """
     new = {}
-    for i in blocks:
-        faces, across = thickness_of(model, i)
+    for i, axis in zip(blocks, np.zeros((len(blocks), 3)) if axes is None else axes, strict=True):
+        faces, across = thickness_of(model, i, axis)
         step = 0.5 * share * float(np.linalg.norm(across))
         new[i] = with_moved_faces(model.assembly.blocks[i], dict.fromkeys(faces, step))
     return changed(model, new)
 
 
-def thickness_of(model: Model, block: int) -> tuple[tuple[int, int], Floats]:
+def thickness_of(model: Model, block: int, axis: Floats) -> tuple[tuple[int, int], Floats]:
     """The two faces of a block between which its thickness is, and the way (3,) [m] across.
 
-    Errors as for :func:`thicken_blocks`.
+    ``axis`` (3,) and errors as for :func:`thicken_blocks`; zero where the block does not turn.
     """
     faces = model.assembly.faces
     own = slice(*np.searchsorted(faces.owner, (block, block + 1)))
     normal, middle = faces.normals[own], faces.middles[own]
     offset = dot(normal, middle)
-    largest = np.argsort(-lengths(faces.area_vectors[own]), kind="stable").tolist()
+    along = np.abs(normal @ axis) > np.sqrt(0.5) * np.linalg.norm(axis)
+    largest = np.lexsort((-lengths(faces.area_vectors[own]), along)).tolist()
     for one, two in combinations(largest, 2):
         away = normal[one] @ normal[two] < -0.5
         if away and not any(_in_joint(model, block, normal[k], offset[k]) for k in (one, two)):

@@ -416,33 +416,67 @@ def _joints(asked: KnownNeeds, kind: str) -> Proposals:
 
 
 def _thicker(asked: KnownNeeds) -> Proposals:
-    """Thicker blocks of the region."""
+    """Thicker blocks of the region; where that does not hold the whole, all blocks."""
     bench = asked.bench
-    stay = bench.kept(bench.own)
+    own = bench.own
+    stay = bench.kept(own)
     if stay:
         yield _kept("thicker", "its blocks get thicker together, and some", stay)
         return
+    motion, size = bench.motion[own], bench.local.assembly.size[own]
+    turning = size * lengths(motion[:, 3:]) > 0.01 * lengths(motion[:, :3])
+    axes = np.where(turning[:, None], motion[:, 3:], 0.0)
 
-    def make(share: float, model: Model, blocks: Ints, _: Ints) -> Model:
-        return thicken_blocks(model, blocks[bench.own].tolist(), share)
+    def region(_: Model, blocks: Ints) -> tuple[list[int], Floats]:
+        return blocks[own].tolist(), axes
 
-    def words(share: float) -> str:
-        names, local = names_of(bench.model, bench.region), bench.local.assembly
-        ground = laid_ground(local)
-        fixed = [i for i in np.flatnonzero(local.fixed).tolist() if i != ground]
-        beside = names_of(bench.local, fixed) if fixed else ""
-        across = np.array([thickness_of(bench.local, i)[1] for i in bench.own])
-        size = lengths(across)
-        least, most = (quantity(size.min() * by, "m") for by in (1.0, 1.0 + share))
-        some = "" if size.max() < 1.01 * size.min() else "the thinnest "
-        told = f"{names} thicker by {100.0 * share:.0f} %, {some}from {least} to {most}, "
-        told += "half of it on each of the two largest free faces"
-        if (np.abs(across @ across[0]) > 0.99 * size * size[0]).all():
-            told += f", along {towards(across[0]).lstrip('+-')}"
-        return f"{told}; they overhang {beside} where these are no wider" if beside else told
+    def every(model: Model, blocks: Ints) -> tuple[list[int], Floats]:
+        most = np.linalg.svd(axes)[2][0] if axes.any() else np.zeros(3)
+        about = np.tile(most, (len(model), 1))
+        about[blocks[own]] = axes
+        free = model.assembly.free.tolist()
+        ends = set(np.flatnonzero(model.assembly.fixed).tolist()) - {laid_ground(model.assembly)}
+        wide = max(_thick(model, i, about[i]) for i in free)
+        grown = free + [i for i in sorted(ends) if _thick(model, i, about[i]) < 1.01 * wide]
+        return grown, about[grown]
 
     why = f"{listed([f'{100.0 * share:g}' for share in _SHARES])} % more thickness"
-    yield Tries([Change("thicker", make, words, _SHARES, 0.02)], why)
+    for grown in (region,) if bench.keep else (region, every):
+        failed = len(bench.tried)
+        make, words = partial(_thickened, grown), partial(_thicker_words, bench, grown)
+        yield Tries([Change("thicker", make, words, _SHARES, 0.02)], why)
+        if len(bench.tried) == failed:
+            return
+
+
+def _thick(model: Model, block: int, axis: Floats) -> float:
+    return float(np.linalg.norm(thickness_of(model, block, axis)[1]))
+
+
+_Grown: TypeAlias = Callable[[Model, Ints], tuple[list[int], Floats]]
+"""Blocks of a model that get thicker, and the axes (b, 3) about which they turn."""
+
+
+def _thickened(grown: _Grown, share: float, model: Model, blocks: Ints, _: Ints) -> Model:
+    some, axes = grown(model, blocks)
+    return thicken_blocks(model, some, share, axes)
+
+
+def _thicker_words(bench: Bench, grown: _Grown, share: float) -> str:
+    model, (some, axes) = bench.model, grown(bench.model, bench.blocks)
+    across = np.array([thickness_of(model, *one)[1] for one in zip(some, axes, strict=True)])
+    size = lengths(across)
+    least, most = (quantity(size.min() * by, "m") for by in (1.0, 1.0 + share))
+    thinnest = "" if size.max() < 1.01 * size.min() else "the thinnest "
+    told = f"{names_of(model, some)} thicker by {100.0 * share:.0f} %, {thinnest}from {least} to "
+    told += f"{most}, half of it on each of two opposite free faces"
+    if (np.abs(across @ across[0]) > 0.99 * size * size[0]).all():
+        told += f", along {towards(across[0]).lstrip('+-')}"
+    ends = bench.blocks[bench.local.assembly.fixed].tolist()
+    rest = [i for i in ends if i not in some and i != laid_ground(model.assembly)]
+    return (
+        f"{told}; they overhang {names_of(model, rest)} where these are no wider" if rest else told
+    )
 
 
 def _ballast(asked: KnownNeeds) -> Proposals:

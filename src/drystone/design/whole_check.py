@@ -48,7 +48,8 @@ def mends_of_kind(
     """The mends of one kind for a region, and what was tried without success.
 
     Where a kind holds it without the margin only, the largest part of the margin that it keeps is
-    searched. ``motion`` (n, 6) is the first one of all blocks, ``held`` are those of other regions.
+    searched, and told where the model falls without it. ``motion`` (n, 6) is the first one of all
+    blocks, ``held`` are those of other regions.
     """
 
     def at(part: DesignMargin) -> Bench:
@@ -63,7 +64,7 @@ def mends_of_kind(
     def holds(less: float) -> bool:
         part = margin.eased(less)
         found = _of_kind(at(part), region, held, clock, kind)
-        if found:
+        if found and not part.stands(model, quick=True, stop=clock.late):
             kept = min((one.change for one in found), key=lambda one: one.cost)
             told.append(f"with {part.words}: {kept.description} (cost {kept.cost:.3g})")
         return bool(found)

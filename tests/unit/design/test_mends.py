@@ -424,6 +424,25 @@ def test_of_many_blocks_the_least_value_that_the_whole_needs_is_told() -> None:
     assert only.result.samples.standing == only.result.samples.tried
 
 
+def test_a_pier_gets_thicker_where_it_overturns_and_its_foot_with_it() -> None:
+    """A pier 3 m high and 0.3 m wide tips at 5.7 degrees; at 8 its foot needs 0.42 m, 41 % more."""
+    courses = [box((0.3, 0.8, 1.0), (0.0, 0.0, z), f"course-{z}") for z in range(-1, 3)]
+    model = Model.of(Assembly(tuple(courses)).with_fixed([0]), friction=0.7)
+    options = MendOptions(margin=DesignMargin(tilt=8.0), kinds=("thicker",))
+    (only,) = find_mends(model, options=options).mends
+    assert only.change.value == pytest.approx(3.0 * np.tan(np.deg2rad(8.0)) / 0.3 - 1.0, abs=0.03)
+    assert "and 'course--1' thicker by" in only.change.description
+    assert "along x" in only.change.description
+
+
+def test_what_a_structure_stands_without_is_no_part_of_a_margin_that_is_told() -> None:
+    """A pier stands to 5.7 degrees; a prop or rougher joints are no help below that."""
+    courses = [box((0.3, 0.8, 1.0), (0.0, 0.0, z), f"course-{z}") for z in range(-1, 3)]
+    model = Model.of(Assembly(tuple(courses)).with_fixed([0]), friction=0.7)
+    options = MendOptions(margin=DesignMargin(tilt=45.0), kinds=("slide", "prop"))
+    assert not any(one.less for _, one in find_mends(model, options=options).tried)
+
+
 def test_thicknesses_that_were_tried_are_told() -> None:
     """However thick, a plate whose middle lies beyond its edge tips."""
     base, out = box((1.0, 1.0, 1.0), name="base"), box((1.0, 1.0, 0.2), (0.7, 0.0, 1.0), "out")
@@ -608,7 +627,7 @@ def test_a_vault_of_many_blocks_may_be_thicker_and_a_tie_says_how_long_it_is() -
     (row,) = found.mends[1].tables()[1]
     assert row["after"] == pytest.approx(1.52 * row["before"], rel=0.02)
     assert "between the middles of 'c03-b01' and 'c11-b01', 2.96 m apart" in tie
-    grown = "half of it on each of the two largest free faces"
+    grown = "half of it on each of two opposite free faces"
     assert f"thicker by 52 %, from 89.5 mm to 136 mm, {grown}" in thicker
     assert thicker.endswith("; free mass from 2.34 t to 3.55 t")
 
