@@ -293,16 +293,20 @@ def _in_our_words(error: click.UsageError) -> output.UsageFault:
         known = [name for one in params for name in one.opts]
         return output.UsageFault(what, remedy=_meant(error.option_name, known, ctx))
     if isinstance(error, click.MissingParameter):
-        # of several models and a last argument the parser gives all that was written to the last
-        more = [one for one in params if isinstance(one, click.Argument) and one.required]
-        some = more if isinstance(error.param, click.Argument) else [error.param]
-        where = " or ".join(map(kinds.named, some))
-        return output.UsageFault("is missing", where=where, remedy=kinds.see(ctx))
+        return output.UsageFault(
+            "is missing", where=_missing(error.param, params), remedy=kinds.see(ctx)
+        )
     if isinstance(error, click.BadOptionUsage):
         flags = [name for one in params if getattr(one, "is_flag", False) for name in one.opts]
         what = "takes no value" if error.option_name in flags else "needs a value"
         return output.UsageFault(what, where=error.option_name, remedy=kinds.see(ctx))
     return output.UsageFault(error.message, remedy=kinds.see(ctx))
+
+
+def _missing(param: click.Parameter | None, params: list[click.Parameter]) -> str:
+    """What is missing: of several models and a last argument, either of them."""
+    needed = [one for one in params if isinstance(one, click.Argument) and one.required]
+    return " or ".join(map(kinds.named, needed if param in needed else [param]))
 
 
 def _meant(given: str, known: Any, ctx: click.Context | None) -> str:
