@@ -60,8 +60,9 @@ def solve_cra(given: Given, *, options: CRAOptions | None = None, **how: Unpack[
     """Forces and a virtual motion with equal overlaps wherever force passes (eq. 5.6).
 
     A state is searched along the path of the loads; states that jam are not. Where none is found,
-    the verdict is that of :func:`check`, which need not be that of CRA. What comes to rest without
-    such a state is stable all the same, and the message says both.
+    the verdict is that of :func:`check`, which need not be that of CRA: what comes to rest without
+    such a state is stable all the same, and what is undecided there is so here. The message says
+    both.
 
     Parameters
     ----------
@@ -108,10 +109,12 @@ def solve_cra(given: Given, *, options: CRAOptions | None = None, **how: Unpack[
             return replace(best, message=met, **told)
         wider = f"{met}, more than the {chosen.slide_limit:g} asked for"
         return replace(best, method="rest", message=wider, **told)
-    base = decided(Asked(problem, CheckOptions(samples=SAMPLES, settle=False), clock))
+    base = decided(Asked(problem, CheckOptions(samples=SAMPLES), clock))
     told |= {"stopped": clock.reason, "time_s": {"solve": clock.elapsed_s}}
     if not problem.statics.free_count:
         return replace(base, method="cra", **told)
+    if base.verdict is Verdict.UNDECIDED:
+        told["message"] = f"{base.message}; nor was a state with equal overlaps found"
     if not base.stable:
         return replace(base, method="check", **told)
     left = f" (best: {_left(best):.1e})" if best is not None else ""
