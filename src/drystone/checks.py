@@ -344,8 +344,7 @@ def _closing(model: Model, moved: Floats, motion: Floats) -> Floats:
     a, b = contacts.corner_blocks
     local = np.maximum(speed[a], speed[b])
     reference = np.maximum(local, 1e-9 * max(float(speed.max(initial=0.0)), 1e-300))
-    out: Floats = np.maximum(0.0, short) / reference
-    return out
+    return np.maximum(0.0, short) / reference
 
 
 def _resistance(contacts: Contacts, opening: Floats, slide: Floats) -> Floats:

@@ -245,8 +245,7 @@ class Contacts(OneLine):
         """(m,) interfaces with a finite strength in compression."""
         if self.capacity is None:
             return np.zeros(self.count, dtype=bool)
-        finite: Bools = self.capacity.compression < NO_LIMIT
-        return finite
+        return self.capacity.compression < NO_LIMIT
 
     @cached_property
     def ties(self) -> Bools:
@@ -265,8 +264,7 @@ class Contacts(OneLine):
         """(m,) faces of more area than so many times the square of the reach of their corners."""
         away = lengths(self.point - self.centroid[self.interface])
         far = self.corners.max(away)
-        wide: Bools = (self.corners.counts > 2) & (self.area > times * far**2)
-        return wide
+        return (self.corners.counts > 2) & (self.area > times * far**2)
 
     @property
     def tie_strength(self) -> Floats:
@@ -285,8 +283,7 @@ class Contacts(OneLine):
             return np.ones(self.count, dtype=bool)
         rubs = ("tension", "cohesion", "shear")
         same = [getattr(self.capacity, name) == DRY[name] for name in rubs]
-        every: Bools = np.all(same, axis=0)
-        return every
+        return np.all(same, axis=0)
 
     @property
     def brittle(self) -> bool:
@@ -296,8 +293,7 @@ class Contacts(OneLine):
     @property
     def plain(self) -> Bools:
         """(m,) interfaces that press and rub only, without any limit."""
-        plain: Bools = self.dry & ~self.crushes
-        return plain
+        return self.dry & ~self.crushes
 
     def carried_to(self, others: Contacts) -> Contacts:
         """The interfaces of others, which are these and more of the same blocks, as strong."""

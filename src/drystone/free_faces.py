@@ -56,8 +56,7 @@ class FreePart(OneLine):
     @property
     def middle(self) -> Floats:
         """A point (3,) [m] of the part: its centroid, or where the part is widest."""
-        point: Floats = self.origin + self.inside @ self.frame[1:]
-        return point
+        return self.origin + self.inside @ self.frame[1:]
 
     @property
     def inside(self) -> Floats:

@@ -118,8 +118,7 @@ class PressedFaces:
 
 def _along_faces(contacts: Contacts, vectors: Floats, which: Ints) -> Floats:
     """Vectors (m, 3) of some interfaces (t,) along u and v, (t, 2)."""
-    along: Floats = np.einsum("mij,mj->mi", contacts.frame[which, 1:], vectors[which])
-    return along
+    return np.einsum("mij,mj->mi", contacts.frame[which, 1:], vectors[which])
 
 
 MUCH, TWISTED, LEVER = 0.97, 0.01, 0.75

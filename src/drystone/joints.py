@@ -179,8 +179,7 @@ def forces_around(contacts: Contacts, force: Floats) -> Floats:
         away = contacts.point[mine, None] - whole.point[corners]
         nearest = (away * away).sum(axis=2).argmin(axis=1)
         np.add.at(total[corners], nearest, world[mine])
-    local: Floats = np.einsum("kij,kj->ki", whole.frame[whole.interface], total)
-    return local
+    return np.einsum("kij,kj->ki", whole.frame[whole.interface], total)
 
 
 def joint_table(
@@ -290,8 +289,7 @@ def thrust_line(
 def hinged(contacts: Contacts, resultants: Resultants) -> Bools:
     """Whether each joint (m,) is a hinge: it has an area, and its resultant acts on the rim."""
     rim, area = eccentricity(contacts, resultants)
-    out: Bools = resultants.loaded & (area > 0.0) & (rim > HINGED)
-    return out
+    return resultants.loaded & (area > 0.0) & (rim > HINGED)
 
 
 def eccentricity(contacts: Contacts, resultants: Resultants) -> tuple[Floats, Floats]:
@@ -398,8 +396,7 @@ def _held_without(assembly: Assembly, contacts: Contacts, joints: Ints) -> Bools
 def corner_pressure(contacts: Contacts, force: Floats) -> Floats:
     """Pressure (k,) [Pa]: normal force of each corner by its share of the area; 0 without area."""
     area = contacts.tributary
-    flat: Floats = np.divide(force[:, 0], area, out=np.zeros(len(area)), where=area > 0.0)
-    return flat
+    return np.divide(force[:, 0], area, out=np.zeros(len(area)), where=area > 0.0)
 
 
 def plane_pressure(contacts: Contacts, force: Floats) -> Floats:

@@ -443,8 +443,7 @@ class Model(Card):
     def active(self) -> Bools:
         """(m,) interfaces that a free block takes part in: others carry nothing."""
         fixed = self.assembly.fixed
-        active: Bools = ~(fixed[self.contacts.block_a] & fixed[self.contacts.block_b])
-        return active
+        return ~(fixed[self.contacts.block_a] & fixed[self.contacts.block_b])
 
 
 def up_of_load(load: Any) -> tuple[float, float, float]:

@@ -238,8 +238,7 @@ def lowest(assembly: Assembly, up: Sequence[float] = UP) -> Bools:
 
 
 def _lowest_of(bottom: Floats, top: Floats) -> Bools:
-    out: Bools = bottom <= bottom.min() + _LOWEST * np.median(top - bottom)
-    return out
+    return bottom <= bottom.min() + _LOWEST * np.median(top - bottom)
 
 
 def feet(assembly: Assembly, joints: Joints | None, up: Sequence[float] = UP) -> Bools:
@@ -252,8 +251,7 @@ def feet(assembly: Assembly, joints: Joints | None, up: Sequence[float] = UP) ->
     if joints is None:
         return np.zeros(len(assembly), dtype=bool)
     low = bottom <= bottom.min() + _FOOT * (top.max() - bottom.min())
-    found: Bools = low & hanging(assembly, joints, up) & _level(assembly, bottom, up)
-    return found
+    return low & hanging(assembly, joints, up) & _level(assembly, bottom, up)
 
 
 def hanging(assembly: Assembly, joints: Joints, up: Sequence[float] = UP) -> Bools:
@@ -263,8 +261,7 @@ def hanging(assembly: Assembly, joints: Joints, up: Sequence[float] = UP) -> Boo
     most = np.full(len(assembly), -np.inf)
     np.maximum.at(most, b, upward)
     np.maximum.at(most, a, -upward)
-    out: Bools = np.isfinite(most) & (most < _PRESSED)
-    return out
+    return np.isfinite(most) & (most < _PRESSED)
 
 
 def heights(assembly: Assembly, up: Sequence[float] = UP) -> tuple[Floats, Floats]:

@@ -410,8 +410,7 @@ class Scene(OneLine):
     @property
     def centre(self) -> Floats:
         """(3,) [m], middle of the box."""
-        middle: Floats = self.bounds.mean(axis=0)
-        return middle
+        return self.bounds.mean(axis=0)
 
     @cached_property
     def block_size(self) -> float:

@@ -85,8 +85,7 @@ class Table(OneLine):
 
     def __getitem__(self, column: str) -> np.ndarray:
         """The values of one column."""
-        values: np.ndarray = self.columns[_known(column, self.columns)]
-        return values
+        return self.columns[_known(column, self.columns)]
 
     def __iter__(self) -> Iterator[dict[str, Any]]:
         """The rows, each as plain values by name of the column."""

@@ -278,8 +278,7 @@ class AnalysisCommand(Command):
         """The analysis; it is imported when the command is asked for."""
         if not isinstance(self.place, tuple):
             return self.place
-        offered: Offered = import_module(self.place[0]).OFFERED
-        return offered
+        return import_module(self.place[0]).OFFERED
 
     @cached_property
     def help(self) -> str:  # type: ignore[override]  # a text that is set

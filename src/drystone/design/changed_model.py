@@ -250,8 +250,7 @@ def acceleration_of(model: Model) -> Floats:
     arm = np.linalg.norm(wrench[:, 3:], axis=1) / model.assembly.size
     plain = arm <= 1e-9 * np.linalg.norm(wrench[:, :3], axis=1)
     chosen = plain if plain.any() else np.ones(len(model), dtype=bool)
-    acceleration: Floats = np.median(wrench[chosen, :3] / mass[chosen, None], axis=0)
-    return acceleration
+    return np.median(wrench[chosen, :3] / mass[chosen, None], axis=0)
 
 
 def fresh_name(model: Model, stem: str, others: Sequence[str] = ()) -> str:

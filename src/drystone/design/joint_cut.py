@@ -299,8 +299,7 @@ class JointPlane(OneLine):
     @property
     def normal(self) -> Floats:
         """(3,) unit, from block a to block b."""
-        normal: Floats = self.frame[0]
-        return normal
+        return self.frame[0]
 
     def reach(self, direction: Floats) -> tuple[float, float]:
         """Extent of the outline backward and forward along a direction (3,) [m]."""

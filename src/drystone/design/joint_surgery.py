@@ -222,8 +222,7 @@ def _divided(
 def _axis(joint: JointPlane, axis: Floats | None) -> Floats:
     """A unit vector (3,) in the plane of a joint."""
     if axis is None:
-        along: Floats = joint.frame[1]
-        return along
+        return joint.frame[1]
     given = unit(axis, "axis")
     flat = given - (given @ joint.normal) * joint.normal
     if float(np.linalg.norm(flat)) < 1e-6:

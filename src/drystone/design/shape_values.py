@@ -142,8 +142,7 @@ class ShapeValues:
 
     def vertices(self, x: Floats) -> Floats:
         """The vertices (v, 3) with variables (p,), along their tangents."""
-        out: Floats = self.here + (self.matrix @ (x - self.at)).reshape(-1, 3)
-        return out
+        return self.here + (self.matrix @ (x - self.at)).reshape(-1, 3)
 
     def objective(self, x: Floats) -> tuple[float, Floats]:
         """What is to be least, and its derivative (p,)."""
@@ -166,8 +165,7 @@ class ShapeValues:
 
     def pulled_back(self, by_vertex: Floats) -> Floats:
         """The derivative (p,) by the variables, from that by the vertices (v, 3)."""
-        out: Floats = self.matrix.T @ by_vertex.ravel()
-        return out
+        return self.matrix.T @ by_vertex.ravel()
 
     def edges(self, x: Floats) -> tuple[Floats, Floats]:
         """By how much edges (e,) that move are longer than the least, by the least; (e, p).

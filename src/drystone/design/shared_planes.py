@@ -89,8 +89,7 @@ class SharedPlanes(OneLine):
     def distances(self, vertex: Floats) -> Floats:
         """Of the fourth vertices from the planes of the others (r,) [m]."""
         one, other, last = self._edges(vertex)
-        out: Floats = dot(cross(one, other), last) / self.area
-        return out
+        return dot(cross(one, other), last) / self.area
 
     def slopes(self, vertex: Floats, matrix: sparse.csr_matrix) -> Floats:
         """Their derivative (r, p), where the vertices move with ``matrix`` (3 v, p)."""
@@ -101,8 +100,7 @@ class SharedPlanes(OneLine):
         row = np.repeat(np.arange(count), 12)
         column = (3 * self.corner[:, :, None] + np.arange(3)).ravel()
         slope = sparse.csr_matrix((by.ravel(), (row, column)), (count, matrix.shape[0]))
-        out: Floats = (slope @ matrix).toarray()
-        return out
+        return (slope @ matrix).toarray()
 
     def _edges(self, vertex: Floats) -> tuple[Floats, Floats, Floats]:
         a, b, c, d = (vertex[self.corner[:, k]] for k in range(4))
@@ -227,8 +225,7 @@ class Moves(OneLine):
         )
 
     def _step(self, moves: Floats) -> Floats:
-        out: Floats = (self.matrix @ moves).reshape(-1, 3)
-        return out
+        return (self.matrix @ moves).reshape(-1, 3)
 
 
 def _plane_sets(model: Model) -> Iterator[Ints]:

@@ -285,8 +285,7 @@ class _Sharpening:
         for case in (model, *margin.cases(model)):
             if not margin.meets(check(case, options=options)):
                 tension = self.joints.tension(case)
-                shows: Bools = tension > _TENSE * tension.max(initial=0.0)
-                return shows
+                return tension > _TENSE * tension.max(initial=0.0)
         return np.zeros(self.joints.model.contacts.count, dtype=bool)
 
     def sharper(self, sharpness: Floats, tense: Bools) -> tuple[Floats, Model]:

@@ -377,8 +377,7 @@ class BlockVertices:
         for k, (one, other) in enumerate(((b, c), (c, a), (a, b))):
             np.add.at(out, self.triangle[:, k], along[:, None] * cross(one, other) + shared)
         # the origin of each block moves with its vertices, and has no effect
-        by_vertex: Floats = self.mean.T @ out
-        return by_vertex
+        return self.mean.T @ out
 
     def _tetrahedra(self, vertex: Floats) -> tuple[Floats, Floats, Floats, Floats, Floats, Floats]:
         """Corners of the triangles about the middle of their block, six volumes, sums, middles."""

@@ -26,19 +26,16 @@ Pairs = tuple[Ints, Ints]
 
 def most_slack(patches: Patches, options: DetectionOptions) -> Floats:
     """Largest distance (p,) [m] that may be added to the gap: tolerated warp plus sag."""
-    granted: Floats = np.minimum(patches.warp + patches.sag, _tolerated(patches, options))
-    return granted
+    return np.minimum(patches.warp + patches.sag, _tolerated(patches, options))
 
 
 def warp_slack(patches: Patches, options: DetectionOptions) -> Floats:
     """Distance (p,) [m] added to the gap for warp, independent of the opposite patch."""
-    granted: Floats = np.minimum(patches.warp, _tolerated(patches, options))
-    return granted
+    return np.minimum(patches.warp, _tolerated(patches, options))
 
 
 def _tolerated(patches: Patches, options: DetectionOptions) -> Floats:
-    most: Floats = options.warp * patches.size[patches.owner]
-    return most
+    return options.warp * patches.size[patches.owner]
 
 
 def fits(patches: Patches, f: Ints, g: Ints) -> Bools:
@@ -177,8 +174,7 @@ def _looks_at(
     normal = patches.normal[patch]
     ahead = dot(middle[other] - patches.centre[patch], normal)
     ahead += dot(half[other], np.abs(normal))
-    looks: Bools = ahead >= -margin
-    return looks
+    return ahead >= -margin
 
 
 def _products(

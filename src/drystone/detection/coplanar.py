@@ -80,5 +80,4 @@ def without_straight(corner: Floats, start: Ints, size: Floats) -> tuple[Floats,
 def unit_rows(vectors: Floats, length: Floats) -> Floats:
     """Vectors (r, 3) divided by their length (r,); zero where the length is zero."""
     safe = np.where(length > 0.0, length, 1.0)[:, None]
-    unit: Floats = np.where(length[:, None] > 0.0, vectors / safe, 0.0)
-    return unit
+    return np.where(length[:, None] > 0.0, vectors / safe, 0.0)

@@ -294,8 +294,7 @@ class _EdgeSearch:
     def _flat(self, vertex: Ints, patch: Ints) -> Floats:
         """Vertices (r, c) in the planes (u, v) of patches (r, 1)."""
         local = self.wires.point[vertex] - self.patches.centre[patch]
-        flat: Floats = np.einsum("rcij,rcj->rci", self.frame[patch, 1:], local)
-        return flat
+        return np.einsum("rcij,rcj->rci", self.frame[patch, 1:], local)
 
     def _keys(self, rows: _Rests) -> Ints:
         """A number for each vertex on each patch."""
@@ -449,5 +448,4 @@ def _items(side: _Side, around: tuple[Floats, Floats]) -> tuple[Ints, Ints]:
 
 def heights(patches: Patches, point: Floats, patch: Ints) -> Floats:
     """Distance (...) [m] of points (..., 3) from the planes of patches (...), outwards."""
-    height: Floats = ((point - patches.centre[patch]) * patches.normal[patch]).sum(axis=-1)
-    return height
+    return ((point - patches.centre[patch]) * patches.normal[patch]).sum(axis=-1)

@@ -145,8 +145,7 @@ def negligible(patches: Patches, planes: Planes, pieces: Pieces) -> Bools:
         most = np.zeros(pieces.count)
         np.maximum.at(most, key, width)
         widest = np.maximum(widest, most[key])
-    spare: Bools = width < NEGLIGIBLE * widest
-    return spare
+    return width < NEGLIGIBLE * widest
 
 
 def within(pieces: Pieces, planes: Planes, tolerance: Floats) -> Pieces:

@@ -141,13 +141,11 @@ def _join_near(
 def thinnest(assembly: Assembly, patches: Patches) -> Floats:
     """The thinnest dimension (n,) [m] of each block: volume by largest face, or 6 V / A if less."""
     largest = patches.of_block.max(patches.area)
-    thin: Floats = np.minimum(assembly.volume / largest, patches.size)
-    return thin
+    return np.minimum(assembly.volume / largest, patches.size)
 
 
 def _keys(found: Interfaces, count: int) -> Ints:
-    keys: Ints = found.block_a * count + found.block_b
-    return keys
+    return found.block_a * count + found.block_b
 
 
 def _faces(
@@ -239,8 +237,7 @@ def _limits(assembly: Assembly, patches: Patches, keys: Ints) -> Floats:
     """How deep (p,) [m] the blocks of each pair may be in each other."""
     a, b = np.divmod(keys, len(patches.size))
     thin = thinnest(assembly, patches)
-    limit: Floats = DEEPEST * np.minimum(thin[a], thin[b])
-    return limit
+    return DEEPEST * np.minimum(thin[a], thin[b])
 
 
 def _overlap_within(patches: Patches, found: Interfaces) -> Floats:

@@ -59,8 +59,7 @@ class Interfaces:
         """Corners (k, 2) in (u, v) about the first corner of their interface."""
         owner = np.repeat(np.arange(self.count), np.diff(self.start))
         local = self.point - self.point[self.start[owner]]
-        flat: Floats = np.einsum("kij,kj->ki", self.frame[owner, 1:], local)
-        return flat
+        return np.einsum("kij,kj->ki", self.frame[owner, 1:], local)
 
     def take(self, order: Ints) -> Interfaces:
         """Some of the interfaces in a given order."""
@@ -139,5 +138,4 @@ def angles(patches: Patches, f: Ints, g: Ints) -> Floats:
     """Angle (q,) [rad] between facing patches, exact for small ones."""
     apart = patches.normal[f] + patches.normal[g]
     half = np.minimum(0.5 * np.sqrt(dot(apart, apart)), 1.0)
-    angle: Floats = 2.0 * np.arcsin(half)
-    return angle
+    return 2.0 * np.arcsin(half)

@@ -196,8 +196,7 @@ def _far(planes: Planes, shared: Pieces, checked: ToleranceCheck, apart: Floats)
 def _pair_keys(patches: Patches, planes: Planes, pieces: Pieces) -> Ints:
     count = len(patches.size)
     owner = patches.owner
-    keys: Ints = owner[planes.f[pieces.row]] * count + owner[planes.g[pieces.row]]
-    return keys
+    return owner[planes.f[pieces.row]] * count + owner[planes.g[pieces.row]]
 
 
 def missed_of(
@@ -277,8 +276,7 @@ def _missed_edges(found: Interfaces, i: int, origin: Floats) -> Missed:
 def _across(point: Floats, normal: Floats, gap: float) -> Floats:
     """A band (4, 3) across the gap at a line, a line (2, 3) across it at a point."""
     half = 0.5 * gap * normal
-    band: Floats = np.concatenate([point - half, point[::-1] + half])
-    return band
+    return np.concatenate([point - half, point[::-1] + half])
 
 
 class Error(StrEnum):
@@ -420,13 +418,11 @@ def _bare(patches: Patches, side: Ints, lost: Floats, covered: Floats) -> Floats
     """Lost area (q,) as far as the patch on one side has that much area left."""
     wanted = _summed(side, lost, patches.count)
     left = np.clip(patches.area - covered, 0.0, wanted)
-    part: Floats = lost * (left / np.where(wanted > 0.0, wanted, 1.0))[side]
-    return part
+    return lost * (left / np.where(wanted > 0.0, wanted, 1.0))[side]
 
 
 def _summed(row: Ints, area: Floats, count: int) -> Floats:
-    total: Floats = np.bincount(row, area, minlength=count).astype(np.float64)
-    return total
+    return np.bincount(row, area, minlength=count).astype(np.float64)
 
 
 def _needed(

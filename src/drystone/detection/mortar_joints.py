@@ -103,8 +103,7 @@ def _one_thickness(pair: Ints, gap: Floats, touching: int) -> Bools:
     same = np.abs(least - typical) <= ALIKE * typical
     if same.mean() < NEARLY_ALL:
         return none
-    alike: Bools = same[place] & (np.abs(gap - typical) <= ALIKE * typical)
-    return alike
+    return same[place] & (np.abs(gap - typical) <= ALIKE * typical)
 
 
 def join_warped(

@@ -78,8 +78,7 @@ def curvature(
 def _across_curves(edges: HalfEdges, turn: Floats, group: Ints, triangle: Bools) -> Bools:
     """Whether each half-edge (h,) lies on a smooth surface and not at a crease."""
     three = triangle[group[edges.face]] & triangle[group[edges.face[edges.twin]]]
-    smooth: Bools = (edges.twin >= 0) & (np.abs(turn) < np.where(three, _FACETED, SMOOTH))
-    return smooth
+    return (edges.twin >= 0) & (np.abs(turn) < np.where(three, _FACETED, SMOOTH))
 
 
 def _turn_to_corners(
@@ -210,8 +209,7 @@ class Patches:
         middle = self.of_block.sum(area * self.centre) / self.of_block.sum(area)
         corners = Ragged(self.ring_start[self.first_ring[self.first_patch]])
         away = self.corner - corners.spread(middle)
-        longest: Floats = 2.0 * np.sqrt(corners.max(dot(away, away)))
-        return longest
+        return 2.0 * np.sqrt(corners.max(dot(away, away)))
 
 
 def patches_of(assembly: Assembly) -> Patches:
@@ -357,5 +355,4 @@ def _convex_patches(
     inward = turn < -ROUNDING * (square + square[after])
     bad = np.bincount(ring_patch[ring], inward, minlength=count)
     rings = np.bincount(ring_patch, minlength=count)
-    convex: Bools = (bad == 0) & (rings == 1)
-    return convex
+    return (bad == 0) & (rings == 1)

@@ -44,13 +44,11 @@ class Planes:
     def flat(self, points: Floats, row: Ints) -> Floats:
         """Points (l, 3) in the (u, v) of their row's plane."""
         local = points - self.origin[row]
-        flat: Floats = np.stack([dot(local, self.frame[row, i]) for i in (1, 2)], axis=1)
-        return flat
+        return np.stack([dot(local, self.frame[row, i]) for i in (1, 2)], axis=1)
 
     def gap_at(self, flat: Floats, row: Ints) -> Floats:
         """Distance [m] of the patches at points (l, 2) of their plane."""
-        gap: Floats = self.gap[row] + dot(self.slope[row], flat)
-        return gap
+        return self.gap[row] + dot(self.slope[row], flat)
 
 
 @dataclass(frozen=True)
@@ -87,8 +85,7 @@ class Pieces:
     def width(self) -> Floats:
         """(s,) [m], twice the area over the perimeter: the width of a long rectangle."""
         around = clip.perimeters(self.corner, self.start)
-        width: Floats = 2.0 * self.area / np.where(around > 0, around, 1)
-        return width
+        return 2.0 * self.area / np.where(around > 0, around, 1)
 
     def select(self, keep: Bools) -> Pieces:
         """Some of the polygons."""

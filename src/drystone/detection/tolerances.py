@@ -116,8 +116,7 @@ class DetectionOptions(Options):
         """Largest gap [m] of blocks of a size [m], of any shape."""
         if self.gap_length is None:
             return self.gap * size
-        reach: Floats = np.minimum(self.gap_length, LARGEST["gap"] * size)
-        return reach
+        return np.minimum(self.gap_length, LARGEST["gap"] * size)
 
 
 SHOWN = 8

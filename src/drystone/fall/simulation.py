@@ -242,8 +242,7 @@ def _nearest(vector: Floats, before: Floats) -> Floats:
     size = np.where(angle > 1e-9, angle, last)
     axis = axis / np.where(size > 0.0, size, 1.0)[:, None]
     turns = np.round(((before * axis).sum(axis=1) - angle) / (2.0 * np.pi))
-    nearest: Floats = axis * (angle + 2.0 * np.pi * turns)[:, None]
-    return nearest
+    return axis * (angle + 2.0 * np.pi * turns)[:, None]
 
 
 def write_film(model: Model, time: Floats, positions: Floats, path: PathLike) -> None:

@@ -116,8 +116,7 @@ def areas(corner: Floats, start: Ints) -> Floats:
     loops = Ragged(start)
     local = corner - corner[loops.spread(loops.first)]
     after = local[loops.following]
-    area: Floats = 0.5 * loops.sum(plane_cross(local, after))
-    return area
+    return 0.5 * loops.sum(plane_cross(local, after))
 
 
 def perimeters(corner: Floats, start: Ints) -> Floats:

@@ -85,8 +85,7 @@ def outline(point: Floats, frame: Floats) -> Floats:
     middle = point.mean(axis=0)
     hull = shapely.convex_hull(shapely.multipoints((point - middle) @ frame[1:].T))
     around = shapely.get_coordinates(shapely.normalize(hull))[:-1][::-1]
-    corner: Floats = middle + around @ frame[1:]
-    return corner
+    return middle + around @ frame[1:]
 
 
 def joined(point: Floats, start: Ints, pair: Ints, angle: float) -> JoinedFacets | None:
@@ -163,8 +162,7 @@ def _share_an_edge(point: Floats, loops: Ragged, one: Ints, other: Ints, reach: 
         np.minimum.at(low, row[close], point[corner[close]])
         np.maximum.at(high, row[close], point[corner[close]])
     span = np.where(np.isfinite(low), high - low, 0.0)
-    long: Bools = dot(span, span) > (_LONG * np.minimum(reach[one], reach[other])) ** 2
-    return long
+    return dot(span, span) > (_LONG * np.minimum(reach[one], reach[other])) ** 2
 
 
 def _turns(normal: Floats, vector: Floats, group: Ints) -> tuple[Floats, Floats, Floats]:
@@ -206,8 +204,7 @@ def _bands(normal: Floats, vector: Floats, group: Ints, angle: float) -> Ints:
 
 def _perimeters(point: Floats, loops: Ragged) -> Floats:
     edge = point[loops.following] - point
-    around: Floats = loops.sum(np.sqrt(dot(edge, edge)))
-    return around
+    return loops.sum(np.sqrt(dot(edge, edge)))
 
 
 def _slivers_into(area: Floats, around: Floats, one: Ints, other: Ints) -> Ints:
@@ -285,8 +282,7 @@ def _united(point: Floats, loops: Ragged, vector: Floats, cell: Ints, wide: Bool
 def _between(one: Floats, other: Floats) -> Floats:
     """Angle (r,) [rad] between vectors (r, 3)."""
     sine = np.linalg.norm(np.cross(one, other), axis=1)
-    angle: Floats = np.arctan2(sine, dot(one, other))
-    return angle
+    return np.arctan2(sine, dot(one, other))
 
 
 def _closed(flat: Floats, corners: Ragged, part: Ragged, reach: Floats) -> planar.Regions:
@@ -298,5 +294,4 @@ def _closed(flat: Floats, corners: Ragged, part: Ragged, reach: Floats) -> plana
         mine = np.flatnonzero(part.counts == several)
         rows: Any = grown[part.first[mine, None] + np.arange(several)]
         whole[mine] = shapely.union_all(rows, axis=1)
-    closed: planar.Regions = shapely.buffer(whole, -reach, join_style="mitre")
-    return closed
+    return shapely.buffer(whole, -reach, join_style="mitre")

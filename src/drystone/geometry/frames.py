@@ -36,8 +36,7 @@ def unit(vector: Floats | Sequence[float], what: str = "direction") -> Floats:
     if largest == 0.0:
         raise InputError(f"{what} is zero", remedy="give a vector with a length")
     array = array / largest  # squares of 1e-170 or 1e170 do not fit a float
-    direction: Floats = array / np.linalg.norm(array)
-    return direction
+    return array / np.linalg.norm(array)
 
 
 def axis_vector(axis: Floats | Sequence[float] | str, called: str = "axis") -> Floats:

@@ -142,8 +142,7 @@ def kern(corners: Floats) -> Floats:
     edge = np.roll(hull, -1, axis=0) - hull
     normal = np.stack([edge[:, 1], -edge[:, 0]], axis=1)
     reach = ((hull - centroid) * normal).sum(axis=1)
-    result: Floats = centroid - (normal / reach[:, None]) @ inertia
-    return result
+    return centroid - (normal / reach[:, None]) @ inertia
 
 
 def kern_ratio(made: Sections, corners: Floats, start: Ints, position: Floats) -> Floats:

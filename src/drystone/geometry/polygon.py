@@ -17,14 +17,12 @@ def area_vectors(corners: Floats, start: Ints) -> Floats:
     """
     loops = Ragged(start)
     local = corners - loops.spread(loops.mean(corners))
-    area: Floats = 0.5 * loops.sum(cross(local, local[loops.following]))
-    return area
+    return 0.5 * loops.sum(cross(local, local[loops.following]))
 
 
 def area_vector(corners: Floats) -> Floats:
     """Newell's area vector (3,) [m2] of one polygon (c, 3)."""
-    vector: Floats = area_vectors(corners, np.array([0, len(corners)]))[0]
-    return vector
+    return area_vectors(corners, np.array([0, len(corners)]))[0]
 
 
 def tributary_areas(corners: Floats, start: Ints | Ragged) -> Floats:

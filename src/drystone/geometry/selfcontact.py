@@ -94,8 +94,7 @@ class _Surface:
 
     def height(self, points: Floats, face: Ints) -> Floats:
         """Signed distance of each point from the plane of its face."""
-        out: Floats = dot(points - self.faces.middles[face], self.faces.normals[face])
-        return out
+        return dot(points - self.faces.middles[face], self.faces.normals[face])
 
     def in_plane(self, points: Floats, face: Ints) -> NDArray[Any]:
         """Each point in the plane of its face, as shapely points."""
@@ -220,8 +219,7 @@ def _kept_apart(surface: _Surface, ring: Ints, one: Ints, other: Ints) -> Bools:
 def _unit(vector: Floats) -> Floats:
     """Rows (q, 3) of length one; zero where they have none."""
     length = np.sqrt(dot(vector, vector))
-    found: Floats = vector / np.where(length > 0.0, length, 1.0)[:, None]
-    return found
+    return vector / np.where(length > 0.0, length, 1.0)[:, None]
 
 
 def _crossed_outlines(surface: _Surface) -> Iterator[_Finding]:
@@ -286,10 +284,9 @@ def _inside(surface: _Surface, point: Floats, face: Ints, margin: Floats) -> Boo
     """Whether points in the plane of a face lie inside its outline by more than a margin."""
     outline = surface.outline[face]
     flat = surface.in_plane(point, face)
-    out: Bools = shapely.contains(outline, flat) & (
+    return shapely.contains(outline, flat) & (
         shapely.distance(shapely.boundary(outline), flat) > margin
     )
-    return out
 
 
 def _touching_vertices(surface: _Surface) -> Iterator[_Finding]:

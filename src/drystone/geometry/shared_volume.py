@@ -257,8 +257,7 @@ def _near_along_faces(bodies: _Bodies, a: Ints, b: Ints, tolerance: Floats, conv
 def _few_convex(bodies: _Bodies, a: Ints, b: Ints, convex: Bools) -> Bools:
     """Pairs (p,) of convex bodies for which every direction to part them can be tried."""
     count = bodies.corners.counts
-    few: Bools = convex[a] & convex[b] & (count[a] * count[b] <= _MANY_CORNERS)
-    return few
+    return convex[a] & convex[b] & (count[a] * count[b] <= _MANY_CORNERS)
 
 
 def _least_depth(bodies: _Bodies, a: Ints, b: Ints) -> Floats:

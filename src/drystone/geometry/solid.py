@@ -31,8 +31,7 @@ def solid_angles(points: Floats, triangles: Floats) -> Floats:
     x, y, z = (np.sqrt(dot(v, v)) for v in (a, b, c))
     volume = dot(a, cross(b, c))
     rest = x * y * z + dot(a, b) * z + dot(b, c) * x + dot(c, a) * y
-    angle: Floats = 2.0 * np.arctan2(volume, rest)
-    return angle
+    return 2.0 * np.arctan2(volume, rest)
 
 
 def winding_number(points: Floats, triangles: Floats) -> Floats:
@@ -140,8 +139,7 @@ def squared_distance(points: Floats, triangles: Floats) -> Floats:
     for start, end in ((a, b), (b, c), (c, a)):
         over = over & (dot(cross(end - start, points - start), normal) >= 0.0)
     height = dot(points - a, normal) ** 2 / safe
-    squared: Floats = np.where(over, height, best)
-    return squared
+    return np.where(over, height, best)
 
 
 def _from_segment(points: Floats, start: Floats, end: Floats) -> Floats:

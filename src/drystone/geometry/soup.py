@@ -288,8 +288,7 @@ def _closed(stacked: Faces, count: int) -> Bools:
     key = np.column_stack([np.repeat(stacked.owner, length), side])
     edge, uses = np.unique(key, axis=0, return_counts=True)
     odd = np.bincount(edge[:, 0], uses % 2, minlength=count)
-    closed: Bools = odd == 0
-    return closed
+    return odd == 0
 
 
 def _of_shells(vertices: Floats, faces: Sequence[Loop], shells: Sequence[Sequence[int]]) -> Faces:

@@ -67,8 +67,7 @@ def _flattened(corners: Floats, start: Ints) -> Floats:
     frame = frames_from_normals(normal)
     loops = Ragged(start)
     local = corners - loops.spread(loops.mean(corners))
-    flat: Floats = np.einsum("lij,lj->li", frame[loops.owner, 1:], local)
-    return flat
+    return np.einsum("lij,lj->li", frame[loops.owner, 1:], local)
 
 
 def _convex(flat: Floats, start: Ints) -> Bools:

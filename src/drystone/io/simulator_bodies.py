@@ -311,5 +311,4 @@ def _inertia(block: Block, pieces: tuple[tuple[Floats, Ints], ...]) -> Floats:
         second += np.einsum("t,tij->ij", six, moment) / 120.0
         volume += float(six.sum()) / 6.0
     second *= block.mass / volume
-    inertia: Floats = np.trace(second) * np.eye(3) - second
-    return inertia
+    return np.trace(second) * np.eye(3) - second

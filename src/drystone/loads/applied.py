@@ -170,8 +170,7 @@ def _entered(assembly: Assembly, block: Ints, point: Floats, force: Floats) -> F
     first = np.full(len(block), np.inf)
     np.minimum.at(first, line[hit], way_to[hit])
     first = np.where(np.isfinite(first), first, 0.0)
-    entered: Floats = point + (first / np.maximum(size, 1e-300))[:, None] * force
-    return entered
+    return point + (first / np.maximum(size, 1e-300))[:, None] * force
 
 
 def is_vertical(load: LoadCase) -> bool:
@@ -200,5 +199,4 @@ def common_acceleration(assembly: Assembly, load: LoadCase) -> Floats:
         return np.zeros(3)
     chosen = each[np.lexsort((far, -count))[0]]
     alike = np.abs(acceleration / largest - chosen).max(axis=1) < 1e-8
-    mean: Floats = acceleration[alike].mean(axis=0)
-    return mean
+    return acceleration[alike].mean(axis=0)

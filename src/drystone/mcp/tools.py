@@ -183,10 +183,7 @@ def _callable(tool: Tool, ask: Callable[..., Any]) -> Callable[..., Any]:
     """A function with the arguments of a tool, from which the protocol makes its schema."""
 
     async def call(**given: Any) -> dict[str, Any]:
-        told: dict[str, Any] = await ask(
-            {key: value for key, value in given.items() if value is not None}
-        )
-        return told
+        return await ask({key: value for key, value in given.items() if value is not None})
 
     call.__signature__ = Signature(  # type: ignore[attr-defined]
         [

@@ -271,8 +271,7 @@ def travelled(gone: Floats, turn: Floats, radius: Floats, size: Floats) -> Float
     off = turn - np.eye(3)
     half = lengths(off.reshape(-1, 9)) / np.sqrt(8.0)
     turned = 2.0 * np.arcsin(np.minimum(half, 1.0))
-    travel: Floats = (way + turned * radius) / size
-    return travel
+    return (way + turned * radius) / size
 
 
 def _turned(motion: Floats, radius: Floats) -> Floats:

@@ -61,13 +61,11 @@ class FullMaps:
 
     def moved(self, motion: Floats) -> Floats:
         """A'q: local motion (k, 3) of b over a at each corner, from motions (n, 6)."""
-        result: Floats = (self.rows @ motion.ravel()).reshape(-1, 3)
-        return result
+        return (self.rows @ motion.ravel()).reshape(-1, 3)
 
     def wrench(self, force: Floats) -> Floats:
         """A f: wrenches (n, 6) of corner forces (k, 3) on the free blocks."""
-        result: Floats = (force.ravel() @ self.rows).reshape(-1, 6)
-        return result
+        return (force.ravel() @ self.rows).reshape(-1, 6)
 
     def factorise(self, tangent: Floats, weight: Floats) -> Solve:
         """The inverse of ``A D A' + W``, of D (k, 3, 3) and weights, see :func:`times`.

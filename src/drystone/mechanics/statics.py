@@ -247,8 +247,7 @@ class Statics:
     @cached_property
     def load_size(self) -> Floats:
         """(n,) length of the force plus length of the moment of the load of each free block."""
-        size: Floats = lengths(self.load[:, :3]) + lengths(self.load[:, 3:])
-        return size
+        return lengths(self.load[:, :3]) + lengths(self.load[:, 3:])
 
     @cached_property
     def load_scale(self) -> Floats:

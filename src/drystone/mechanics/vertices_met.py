@@ -127,8 +127,7 @@ class _Regions:
         points = shapely.points(flat)
         within = shapely.contains(shapes, points)
         off_outline = shapely.distance(shapely.boundary(shapes), points)
-        over: Bools = np.where(within, off_outline, -off_outline) >= -np.asarray(margin)
-        return over
+        return np.where(within, off_outline, -off_outline) >= -np.asarray(margin)
 
     def _of(self, patch: int) -> shapely.Polygon:
         if patch not in self.known:

@@ -100,9 +100,8 @@ class Forces(Answer):
         normal = np.maximum(found.normal, 0.0)
         small = self._small(found.force)
         rubs = np.where(found.tangential > small, found.tangential, 0.0)
-        needed: Floats = np.divide(rubs, normal, out=np.where(rubs > 0.0, np.inf, 0.0),
+        return np.divide(rubs, normal, out=np.where(rubs > 0.0, np.inf, 0.0),
                                    where=normal > small)  # fmt: skip
-        return needed
 
     @property
     def _over(self) -> Ints:
@@ -418,8 +417,7 @@ def _joints(model: Model, blocks: str) -> Bools:
         return np.ones(contacts.count, dtype=bool)
     fixed = model.assembly.fixed
     if blocks == "supports" and blocks not in model.assembly.names:
-        beside: Bools = fixed[contacts.block_a] | fixed[contacts.block_b]
-        return beside
+        return fixed[contacts.block_a] | fixed[contacts.block_b]
     which = model.assembly.indices([name.strip() for name in blocks.split(",")])
     mine = np.isin(contacts.block_a, which), np.isin(contacts.block_b, which)
     found: Bools = mine[0] & mine[1] if len(which) > 1 else mine[0] | mine[1]

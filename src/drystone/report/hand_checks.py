@@ -416,5 +416,4 @@ def _parts_of_load(
 def _middle(points: Floats, normal: Floats) -> Floats:
     """Mean of points (p, 3) by the normal forces on them, which leaves no couple on a plane."""
     weight = np.maximum(np.abs(normal), 1e-300)
-    middle: Floats = weight @ points / weight.sum()
-    return middle
+    return weight @ points / weight.sum()

@@ -54,8 +54,7 @@ class JointPlan(OneLine):
         """Points (p, 2) [m] on a square of a side, with a margin, from its lower left corner."""
         low, high = self.corners.min(axis=0), self.corners.max(axis=0)
         scale = (side - 2.0 * margin) / self.width if self.width > 0.0 else 1.0
-        placed: Floats = 0.5 * side + scale * (points - 0.5 * (low + high))
-        return placed
+        return 0.5 * side + scale * (points - 0.5 * (low + high))
 
 
 def joint_plan(result: Result, table: Table, i: int) -> JointPlan:

@@ -250,8 +250,7 @@ def _plan(plan: JointPlan) -> Any:
     from reportlab.lib.colors import Color, black
 
     def flat(points: Any) -> list[float]:
-        placed: list[float] = plan.on(points, _PLAN, 8.0).ravel().tolist()
-        return placed
+        return plan.on(points, _PLAN, 8.0).ravel().tolist()
 
     drawing = Drawing(_PLAN, _PLAN)
     stone = Color(0.9, 0.9, 0.9)

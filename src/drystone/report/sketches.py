@@ -158,8 +158,7 @@ def _eye(scene: Scene, stage: SceneStage) -> Floats | None:
         float(lengths(one).max(initial=0.0)) for one in known if one is not None
     ):
         return _toward(scene.plane)
-    eye: Floats = unit(scene.toward + 0.8 * side + 0.4 * stage.up, "view direction")
-    return eye
+    return unit(scene.toward + 0.8 * side + 0.4 * stage.up, "view direction")
 
 
 def _end_on(layer: Layer, toward: Floats) -> bool:

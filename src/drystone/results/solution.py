@@ -249,5 +249,4 @@ def reaction_layer(result: Solution, resultants: Resultants) -> tuple[Layer, ...
 def _toward_free(contacts: Contacts, result: Solution) -> Floats:
     """Signs (m,) by which forces on block b become forces on the free block; else zero."""
     fixed = result.assembly.fixed.astype(np.float64)
-    toward: Floats = fixed[contacts.block_a] - fixed[contacts.block_b]
-    return toward
+    return fixed[contacts.block_a] - fixed[contacts.block_b]

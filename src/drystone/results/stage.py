@@ -102,8 +102,7 @@ def _needed(result: Solution) -> Floats | None:
     force = np.linalg.norm(result.prop[:, :3], axis=1)
     load = result.load.wrench[result.assembly.free, :3]
     largest = float(np.linalg.norm(load, axis=1).max(initial=0.0))
-    kept: Floats = np.where((force > NEGLIGIBLE * largest)[:, None], result.prop, 0.0)
-    return kept
+    return np.where((force > NEGLIGIBLE * largest)[:, None], result.prop, 0.0)
 
 
 def first_motion_words(result: Solution) -> str:

@@ -204,8 +204,7 @@ def freedom(normals: Floats, up: Floats, tolerance: float = TOLERANCE) -> Freedo
 
 def _unit(vectors: Floats) -> Floats:
     length = np.linalg.norm(vectors, axis=1, keepdims=True)
-    out: Floats = vectors[length[:, 0] > 0.0] / length[length[:, 0] > 0.0]
-    return out
+    return vectors[length[:, 0] > 0.0] / length[length[:, 0] > 0.0]
 
 
 NAMED = 6
@@ -320,8 +319,7 @@ def face_at(
 def _outward(loop: Floats) -> Floats:
     """Unit normal (3,) of a planar loop (c, 3)."""
     area = np.cross(loop[1:-1] - loop[0], loop[2:] - loop[0]).sum(axis=0)
-    unit: Floats = area / np.linalg.norm(area)
-    return unit
+    return area / np.linalg.norm(area)
 
 
 def looking(towards: Iterable[float]) -> str:

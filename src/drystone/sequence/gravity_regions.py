@@ -196,8 +196,7 @@ def _unit_directions(directions: int | Floats) -> Floats:
     length = np.linalg.norm(given, axis=1, keepdims=True)
     if not (len(length) and np.isfinite(length).all() and (length > 0.0).all()):
         raise InputError("a direction is zero or not finite", where="directions")
-    unit: Floats = given / length
-    return unit
+    return given / length
 
 
 def _held(job: tuple[Model, tuple[float, float, float], bool]) -> tuple[bool, bool, bool]:

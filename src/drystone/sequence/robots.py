@@ -45,15 +45,13 @@ class Robot(Options):
 
     def distance(self, points: Floats) -> Floats:
         """[m] (p,) from its base to points (p, 3) [m]."""
-        out: Floats = np.linalg.norm(np.asarray(points) - np.array(self.base), axis=-1)
-        return out
+        return np.linalg.norm(np.asarray(points) - np.array(self.base), axis=-1)
 
     def manages(self, centroid: Floats, mass: Floats) -> Bools:
         """Whether it reaches and carries blocks with centroids (n, 3) [m] and masses (n,) [kg]."""
-        out: Bools = (self.distance(centroid) <= self.reach) & (
+        return (self.distance(centroid) <= self.reach) & (
             np.asarray(mass) <= self.payload * (1.0 + 1e-9)
         )
-        return out
 
 
 def check_robots(robots: Sequence[Robot]) -> tuple[Robot, ...]:

@@ -176,8 +176,7 @@ def _lead(seat: Seat) -> Floats:
     both ends.
     """
     half = unit(seat.normal + seat.along)[0]
-    lead: Floats = half / (half @ seat.along)
-    return lead
+    return half / (half @ seat.along)
 
 
 def _splayed(seat: Seat) -> Iterator[Floats]:

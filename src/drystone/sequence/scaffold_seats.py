@@ -62,8 +62,7 @@ class Seat(OneLine):
     @property
     def normal(self) -> Floats:
         """Mean outward normal (3,)."""
-        mean: Floats = self.axes[0]
-        return mean
+        return self.axes[0]
 
     @property
     def outline(self) -> Floats:
@@ -173,8 +172,7 @@ def _seen(parts: Sequence[FreePart], axes: Floats) -> shapely.Polygon:
 
 def _projected(origin: Floats, frame: Floats, axes: Floats, flat: Floats) -> Floats:
     """Points (p, 2) of the plane of a frame, in the plane of ``axes[1:]``."""
-    seen: Floats = (origin + flat @ frame[1:]) @ axes[1:].T
-    return seen
+    return (origin + flat @ frame[1:]) @ axes[1:].T
 
 
 def surface_triangles(of: Block | Assembly) -> tuple[Floats, Ints]:

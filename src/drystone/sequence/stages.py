@@ -283,8 +283,7 @@ class StagedModel(OfModel, OneLine):
     @cached_property
     def height(self) -> Floats:
         """Heights (n,) [m] of the centroids, opposite to the load."""
-        out: Floats = self.assembly.centroid @ self.up
-        return out
+        return self.assembly.centroid @ self.up
 
     def around(self, blocks: int) -> int:
         """The set of free blocks that touch some blocks."""

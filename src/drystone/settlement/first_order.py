@@ -174,8 +174,7 @@ class SupportResponse(Answer):
 
     @property
     def _moved(self) -> list[int]:
-        moved: list[int] = np.flatnonzero(np.abs(self._motion).max(axis=1)).tolist()
-        return moved
+        return np.flatnonzero(np.abs(self._motion).max(axis=1)).tolist()
 
     @property
     def _known(self) -> bool:

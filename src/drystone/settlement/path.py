@@ -128,8 +128,7 @@ def _apart(bodies: Bodies, corner: Ints, frames: tuple[BlockPositions, ...]) -> 
     turn_a = turn[:, a]
     apart = place[:, b] + (turn[:, b] @ bodies.arm_b[corner][:, :, None])[..., 0]
     apart -= place[:, a] + (turn_a @ bodies.arm_a[corner][:, :, None])[..., 0]
-    local: Floats = (bodies.frame[corner] @ (turn_a.swapaxes(2, 3) @ apart[..., None]))[..., 0]
-    return local
+    return (bodies.frame[corner] @ (turn_a.swapaxes(2, 3) @ apart[..., None]))[..., 0]
 
 
 STIFFER = 1e-2

@@ -255,8 +255,7 @@ class SettlementPath(OneLine):
     @property
     def displacement(self) -> Floats:
         """(n, 6) [m, rad], the last of the positions."""
-        last: Floats = self.positions[-1]
-        return last
+        return self.positions[-1]
 
     @property
     def moving(self) -> tuple[int, ...]:

@@ -52,8 +52,7 @@ class Courses:
         at_end = ((v[:, None] <= 0.0) & (self.start <= 0.0)) | (
             (v[:, None] >= 1.0) & (self.end >= 1.0)
         )
-        exists: Bools = full | inside | at_end
-        return exists
+        return full | inside | at_end
 
     def line(self, v: Floats) -> Floats:
         """Position (k, c + 1) of each bed line at ``v``, as a share of the length along u."""
@@ -85,8 +84,7 @@ class Courses:
     def parameter(self, share: Floats, v: Floats) -> Floats:
         """Parameter u (k,) at shares (k,) of the length along u at ``v`` (k,)."""
         along = v % 1.0 if self.patch.closed else v
-        u: Floats = self._inverse(np.stack([np.clip(share, 0.0, 1.0), along], axis=1))
-        return u
+        return self._inverse(np.stack([np.clip(share, 0.0, 1.0), along], axis=1))
 
     def middle(self, course: int, v: Floats) -> Floats:
         """Points (k, 3) [m] half-way up a course at the positions ``v`` (k,)."""
@@ -332,8 +330,7 @@ def _even(number: int, half: bool, closed: bool, tips: tuple[bool, bool]) -> Flo
     cuts = np.unique(np.concatenate([[0.0], inner, [float(number)]]))
     if left != right:  # only one half block: the block at the other end is longer
         cuts = np.delete(cuts, -2 if left else 1) if number > 1 else cuts
-    shares: Floats = cuts / number
-    return shares
+    return cuts / number
 
 
 def _gap(joints: Floats, below: Floats, closed: bool) -> Floats:
@@ -343,8 +340,7 @@ def _gap(joints: Floats, below: Floats, closed: bool) -> Floats:
     other = np.concatenate([below - 1.0, below, below + 1.0]) if closed else below
     signed = joints[:, None] - other[None]
     nearest = np.argmin(np.abs(signed), axis=1)
-    gap: Floats = signed[np.arange(len(joints)), nearest]
-    return gap
+    return signed[np.arange(len(joints)), nearest]
 
 
 def _lap(joints: Floats, below: Floats, closed: bool) -> float:
@@ -356,8 +352,7 @@ def _narrower(joints: Floats, closed: bool) -> Floats:
     """Width of the narrower block beside each inner joint."""
     width = np.diff(np.concatenate([joints, joints[:1] + 1.0]) if closed else joints)
     after, before = (width, np.roll(width, 1)) if closed else (width[1:], width[:-1])
-    narrower: Floats = np.minimum(after, before)
-    return narrower
+    return np.minimum(after, before)
 
 
 def _moved(joints: Floats, below: Floats, closed: bool, staggered: bool) -> Floats:

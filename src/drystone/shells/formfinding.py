@@ -85,8 +85,7 @@ def _nearby_mean(tree: cKDTree, value: Floats, points: Floats) -> Floats:
     """Mean (k,) of the values of the four nearest nodes, weighted by inverse distance."""
     distance, near = tree.query(points, k=4)
     weight = 1.0 / np.maximum(distance, 1e-9)
-    mean: Floats = (value[near] * weight).sum(axis=1) / weight.sum(axis=1)
-    return mean
+    return (value[near] * weight).sum(axis=1) / weight.sum(axis=1)
 
 
 @dataclass(frozen=True, eq=False)

@@ -77,8 +77,7 @@ def vertex_means(mesh: Tessellation, per_cell: Floats) -> Floats:
 def _corner_means(loop: Ints, value: Floats, count: int) -> Floats:
     """(count,) mean at each vertex of a value per corner (l,) of the loops."""
     corners = np.maximum(np.bincount(loop, minlength=count), 1)
-    mean: Floats = np.bincount(loop, value, minlength=count) / corners
-    return mean
+    return np.bincount(loop, value, minlength=count) / corners
 
 
 def _facet_means(mesh: Tessellation, point: Floats, vector: Floats) -> Floats:

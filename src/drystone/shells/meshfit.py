@@ -94,8 +94,7 @@ def vaults_from_mesh(
     middle = plan.mean(axis=0)
 
     def lifted(place: Floats) -> Floats:
-        point: Floats = surface(middle + (1.0 - 1e-9) * (place - middle))  # inside the hull
-        return point
+        return surface(middle + (1.0 - 1e-9) * (place - middle))  # inside the hull
 
     count = len(ends) // 2
     feet = [plan[side_between(border, ends[2 * k], ends[2 * k + 1])] for k in range(count)]
@@ -176,8 +175,7 @@ def _nearest(line: Floats, point: Floats) -> Floats:
     step = np.diff(line, axis=0)
     share = np.clip(dot(point - line[:-1], step) / dot(step, step), 0.0, 1.0)
     on = line[:-1] + share[:, None] * step
-    nearest: Floats = on[np.argmin(np.linalg.norm(on - point, axis=1))]
-    return nearest
+    return on[np.argmin(np.linalg.norm(on - point, axis=1))]
 
 
 def _evenly(line: Floats, lifted: Callable[[Floats], Floats]) -> Floats:
@@ -202,8 +200,7 @@ def _in_plan(points: Floats, loops: list[list[int]], name: str) -> Floats:
             where=f"mesh '{name}'",
             remedy="cut it into meshes with four corners, or give one that does not overhang",
         )
-    place: Floats = points @ frame[1:].T
-    return place
+    return points @ frame[1:].T
 
 
 def _farthest(points: Floats, shape: Shape, name: str) -> float:
@@ -400,8 +397,7 @@ def _basis(at: Floats, count: int) -> sparse.csr_matrix:
 def _on_spline(control: Floats, u: Floats, v: Floats) -> Floats:
     """Points (k, 3) on the surface of control points (rows, columns, 3)."""
     by_u, by_v = (_basis(at, n).toarray() for at, n in zip((u, v), control.shape[:2], strict=True))
-    points: Floats = np.einsum("ki,kj,ijc->kc", by_u, by_v, control)
-    return points
+    return np.einsum("ki,kj,ijc->kc", by_u, by_v, control)
 
 
 def _fit(points: Floats, u: Floats, v: Floats, rows: int, columns: int) -> Floats:
@@ -414,8 +410,7 @@ def _fit(points: Floats, u: Floats, v: Floats, rows: int, columns: int) -> Float
     bend_v = sparse.kron(sparse.eye(rows), _second(columns))
     system = design.T @ design + _SMOOTHING * (bend_u.T @ bend_u + bend_v.T @ bend_v)
     solution = spsolve(sparse.csc_matrix(system), design.T @ points)
-    control: Floats = np.asarray(solution).reshape(rows, columns, 3)
-    return control
+    return np.asarray(solution).reshape(rows, columns, 3)
 
 
 def _second(count: int) -> sparse.csr_matrix:
@@ -511,8 +506,7 @@ def turns_of(points: Floats, loops: list[list[int]], border: list[int]) -> Float
         after, before = np.roll(run, -1, axis=0) - run, np.roll(run, 1, axis=0) - run
         cosine = dot(after, before) / (lengths(after) * lengths(before))
         angle[loop] += np.arccos(np.clip(cosine, -1.0, 1.0))
-    turn: Floats = 180.0 - np.rad2deg(angle[border])
-    return turn
+    return 180.0 - np.rad2deg(angle[border])
 
 
 def side_between(border: list[int], start: int, end: int) -> list[int]:

@@ -137,8 +137,7 @@ class Patch(OneLine):
                 where=f"patch '{self.name}'",
                 remedy="no side may shrink to a point and no two sides may run together",
             )
-        normal: Floats = raw / length
-        return normal
+        return raw / length
 
     @cached_property
     def turn(self) -> float:

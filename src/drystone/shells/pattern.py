@@ -180,8 +180,7 @@ def _centres(u: Floats, v: Floats, cells: list[tuple[int, ...]], *, closed: bool
     base = corners.spread(v[loop[corners.first]])
     along = (v[loop] - base + 0.5) % 1.0 - 0.5 + base if closed else v[loop]
     both = np.stack([u[loop], along], axis=1)
-    centre: Floats = 0.5 * (corners.min(both) + corners.max(both))
-    return centre
+    return 0.5 * (corners.min(both) + corners.max(both))
 
 
 def _borders(courses: Courses, u: Floats, v: Floats, line: Ints) -> dict[Side, tuple[Ints, Floats]]:

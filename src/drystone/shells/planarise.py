@@ -189,8 +189,7 @@ def _newton_move(x: Floats, groups: list[Ints], scale: float) -> Floats:
         options={"SymmetricMode": True},
     )
     multiplier = factor.solve(-np.concatenate(residual))
-    move: Floats = (J.T @ multiplier).reshape(-1, 3)
-    return move
+    return (J.T @ multiplier).reshape(-1, 3)
 
 
 _LARGE_DRIFT = 0.25

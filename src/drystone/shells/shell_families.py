@@ -231,8 +231,7 @@ def _leg(reach: float, rim: float, rise: float, turn: float, u: Floats, v: Float
 def _turned(web: PatchFunction, quarters: int, u: Floats, v: Floats) -> Floats:
     """Points of a web turned by quarters about the z axis."""
     c, s = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))[quarters]
-    turned: Floats = web(u, v) @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
-    return turned
+    return web(u, v) @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
 
 
 def rectangular_plan(
@@ -337,8 +336,7 @@ def _flat_vault(low: Floats, high: Floats, u: Floats, v: Floats) -> Floats:
         np.stack([np.interp(v, at, line[:, axis]) for axis in range(3)], axis=1)
         for line in (low, high)
     )
-    flat: Floats = (1.0 - u[:, None]) * below + u[:, None] * above
-    return flat
+    return (1.0 - u[:, None]) * below + u[:, None] * above
 
 
 def _flat_leg(reach: float, waist: float, foot: float, turn: float, u: Floats, v: Floats) -> Floats:
@@ -351,5 +349,4 @@ def _flat_leg(reach: float, waist: float, foot: float, turn: float, u: Floats, v
     low = out + (2.0 * V - 1.0) * side
     left, right = (1.0 - 2.0 * V) * towards(-60.0), (2.0 * V - 1.0) * towards(60.0)
     high = waist * np.where(V < 0.5, left, right)
-    flat: Floats = (1.0 - U) * low + U * high
-    return flat
+    return (1.0 - U) * low + U * high

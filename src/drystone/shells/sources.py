@@ -49,13 +49,11 @@ def curve_through(points: Any) -> _Curve:
         raise InputError(f"curve point {int(np.argmin(chord)) + 1} repeats the one before")
     if len(corners) == 2:
         return partial(_line, *corners)
-    spline: _Curve = CubicSpline(at / at[-1], corners)
-    return spline
+    return CubicSpline(at / at[-1], corners)
 
 
 def _line(start: Floats, end: Floats, s: Floats) -> Floats:
-    line: Floats = start + np.asarray(s)[:, None] * (end - start)
-    return line
+    return start + np.asarray(s)[:, None] * (end - start)
 
 
 def patch_from_curves(
@@ -120,8 +118,7 @@ def _coons(
     between_columns = (1.0 - V) * np.asarray(left(u)) + V * np.asarray(right(u))
     b, t = np.asarray(bottom(ends)), np.asarray(top(ends))
     corners = (1.0 - U) * ((1.0 - V) * b[0] + V * b[1]) + U * ((1.0 - V) * t[0] + V * t[1])
-    between: Floats = between_rows + between_columns - corners
-    return between
+    return between_rows + between_columns - corners
 
 
 def patch_from_sections(sections: Sequence[Any], *, name: str = "patch") -> Patch:

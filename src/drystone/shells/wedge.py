@@ -102,8 +102,7 @@ def _flat_wedge(courses: Courses, lines: Floats, v: Floats, line: Ints) -> Float
     wanted = around * (width * along) ** 2
     given = 8.0 * across * height**2
     given = np.where(np.abs(given) > 1e-12 * np.abs(wanted), given, 1e-12 * np.abs(wanted) + 1e-300)
-    ratio: Floats = np.clip(wanted / given, -_FLAT_WEDGE, _FLAT_WEDGE)
-    return ratio
+    return np.clip(wanted / given, -_FLAT_WEDGE, _FLAT_WEDGE)
 
 
 def eased_share(v: Floats, line: Ints, direction: Floats, *, closed: bool) -> Floats:

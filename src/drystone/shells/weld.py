@@ -168,8 +168,7 @@ def _spacing(share: Floats) -> Floats:
     if len(share) < 2:
         return np.ones(len(share))
     step = np.abs(np.diff(share))
-    nearer: Floats = np.minimum(np.append(step, step[-1]), np.append(step[0], step))
-    return nearer
+    return np.minimum(np.append(step, step[-1]), np.append(step[0], step))
 
 
 def _assemble(state: _Weld, patterns: Sequence[Pattern]) -> Tessellation:

@@ -86,7 +86,6 @@ def inverse(matrix: Floats) -> Callable[[Floats], Floats]:
 
     def solve(right: Floats) -> Floats:
         solution, _ = dgetrs(lu, pivots, right.ravel(), trans=1)
-        result: Floats = solution.reshape(right.shape)
-        return result
+        return solution.reshape(right.shape)
 
     return solve

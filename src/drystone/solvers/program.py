@@ -118,8 +118,7 @@ class ConicProgram(OneLine):
 
     def value(self, x: Floats, name: str) -> Floats:
         """The part of a solution x that belongs to a variable, in its unit."""
-        part: Floats = x[self.variables[name]] * self.unit.get(name, 1.0)
-        return part
+        return x[self.variables[name]] * self.unit.get(name, 1.0)
 
     def _summary(self) -> str:
         rows, columns = self.matrix.shape

@@ -32,8 +32,7 @@ def _pools() -> list[LibController]:
 
     some = np.ones((64, 64))
     dgemm(1.0, some @ some, some)
-    chosen: list[LibController] = ThreadpoolController().select(user_api="blas").lib_controllers
-    return chosen
+    return ThreadpoolController().select(user_api="blas").lib_controllers
 
 
 @contextmanager

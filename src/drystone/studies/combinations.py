@@ -88,10 +88,7 @@ class Combinations(Answer):
     def _worst_first(self) -> list[int]:
         shares = np.nan_to_num(np.array(self.needed), nan=2.0)
         order = np.array([_ORDER.get(one.verdict, 2) for one in self.results])
-        found: list[int] = np.lexsort(
-            (-shares, np.nan_to_num(self.carries, nan=2.0), order)
-        ).tolist()
-        return found
+        return np.lexsort((-shares, np.nan_to_num(self.carries, nan=2.0), order)).tolist()
 
     @property
     def governing(self) -> Result:

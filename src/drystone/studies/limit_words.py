@@ -101,8 +101,7 @@ def limit_of_words(words: str, model: Model) -> Callable[[Model, dict[str, Any]]
 
     def computed(of: Model, late: dict[str, Any]) -> Answer:
         common = {name: value for name, value in late.items() if name in known}
-        found: Answer = offered.analysis(of, **nested(offered.analysis, values), **common)
-        return found
+        return offered.analysis(of, **nested(offered.analysis, values), **common)
 
     return computed
 

@@ -56,8 +56,7 @@ def draw_scale_bar(sheet: Sheet, figure: Figure | None = None) -> None:
 
 def _strip(figure: Figure) -> float:
     """What the scale bar below a drawing takes of the height of a figure: 0.3 in."""
-    share: float = 0.3 / figure.get_figheight()
-    return share
+    return 0.3 / figure.get_figheight()
 
 
 def draw_gravity(figure: Figure, sheet: Sheet) -> None:

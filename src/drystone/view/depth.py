@@ -152,5 +152,4 @@ def _depth_at(flat: Floats, depth: Floats, at: Floats) -> Floats:
     whole = np.where(whole == 0.0, 1.0, whole)
     s = plane_cross(p, b) / whole
     t = plane_cross(a, p) / whole
-    value: Floats = depth[:, 0] + s * (depth[:, 1] - depth[:, 0]) + t * (depth[:, 2] - depth[:, 0])
-    return value
+    return depth[:, 0] + s * (depth[:, 1] - depth[:, 0]) + t * (depth[:, 2] - depth[:, 0])

@@ -106,8 +106,7 @@ def fall_moments() -> tuple[Floats, Floats]:
 
 def quaternions(rotation: Floats) -> Floats:
     """(t, 4) x, y, z, w of rotation vectors (t, 3) [rad]."""
-    turned: Floats = Rotation.from_rotvec(rotation).as_quat()
-    return turned
+    return Rotation.from_rotvec(rotation).as_quat()
 
 
 def matrix_of(motion: Floats, centroid: Floats) -> Floats:

@@ -259,8 +259,7 @@ def _blocks(scene: Scene, origin: Floats, blobs: _Blobs) -> dict[str, Any]:
 
 def _local_triangles(faces: Faces) -> Ints:
     triangle, face = triangulate(faces.point[faces.loop], faces.start)
-    local: Ints = triangle - faces.start[face][:, None]
-    return local
+    return triangle - faces.start[face][:, None]
 
 
 @lru_cache(maxsize=4)

@@ -70,8 +70,7 @@ def exploded(assembly: Assembly, contacts: Contacts, foot: Floats) -> Floats:
             leaves = np.arange(len(assembly)) == best
         left = left & ~leaves
     direction[left] = away[left]
-    translation: Floats = np.where(assembly.fixed[:, None], 0.0, far[:, None] * direction)
-    return translation
+    return np.where(assembly.fixed[:, None], 0.0, far[:, None] * direction)
 
 
 def ways_apart(scene: Scene) -> Floats:

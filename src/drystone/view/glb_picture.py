@@ -197,5 +197,4 @@ def _solids(layer: Layer, scene: Scene) -> Triangles:
 
 def _linear(colour: Floats) -> Floats:
     """Linear components from those of sRGB, as the format requires (IEC 61966-2-1)."""
-    linear: Floats = np.where(colour <= 0.04045, colour / 12.92, ((colour + 0.055) / 1.055) ** 2.4)
-    return linear
+    return np.where(colour <= 0.04045, colour / 12.92, ((colour + 0.055) / 1.055) ** 2.4)

@@ -109,10 +109,7 @@ def ramp(lightness: tuple[float, float], hue_deg: float, chroma: float, steps: i
         [-0.0041960863, -0.7034186147, 1.7076147010],
     ]) @ cone  # fmt: skip
     linear = np.clip(linear, 0.0, 1.0)
-    coded: Floats = np.where(
-        linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1.0 / 2.4) - 0.055
-    ).T
-    return coded
+    return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1.0 / 2.4) - 0.055).T
 
 
 FORCE_RAMP = {"light": ramp((1.0, 0.29), 255.0, 0.17), "dark": ramp((0.36, 0.97), 240.0, 0.12)}
@@ -135,8 +132,7 @@ def ramp_colours(share: Floats, theme: str = "light") -> Floats:
     stops = FORCE_RAMP[theme]
     at = np.clip(share, 0.0, 1.0) * (len(stops) - 1)
     position = np.arange(len(stops))
-    out: Floats = np.stack([np.interp(at, position, stops[:, i]) for i in range(3)], axis=-1)
-    return out
+    return np.stack([np.interp(at, position, stops[:, i]) for i in range(3)], axis=-1)
 
 
 @dataclass(frozen=True)

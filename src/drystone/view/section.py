@@ -37,8 +37,7 @@ class Plane:
 
     def heights(self, points: Floats) -> Floats:
         """[m] of points (p, 3) above the plane."""
-        above: Floats = points @ self.normal - self.offset
-        return above
+        return points @ self.normal - self.offset
 
 
 def read_section(text: str) -> tuple[int, float | None]:

@@ -80,14 +80,12 @@ class Sheet:
         helper = np.array([0.0, 1.0, 0.0]) if straight else np.array([0.0, 0.0, 1.0])
         right = np.cross(helper, self.toward)
         right /= np.linalg.norm(right)
-        made: Floats = np.stack([right, np.cross(self.toward, right)]) @ self._tilt
-        return made
+        return np.stack([right, np.cross(self.toward, right)]) @ self._tilt
 
     @cached_property
     def eye(self) -> Floats:
         """(3,) unit, from the model to the eye, in the axes of the model."""
-        turned: Floats = self.toward @ self._tilt
-        return turned
+        return self.toward @ self._tilt
 
     @cached_property
     def plane(self) -> Plane | None:
@@ -106,8 +104,7 @@ class Sheet:
 
     def project(self, points: Floats) -> Floats:
         """Points (p, 3) on the paper (p, 2) [m], about the middle of the model."""
-        flat: Floats = (points - self.scene.centre) @ self.paper.T
-        return flat
+        return (points - self.scene.centre) @ self.paper.T
 
     @cached_property
     def scale(self) -> float:
@@ -239,5 +236,4 @@ def shown_middle(block: Block, toward: Floats) -> Floats:
     largest = normal[int(np.argmax(normal @ toward))]
     alike = normal @ largest > _ALIKE * np.linalg.norm(normal, axis=1) * np.linalg.norm(largest)
     weight = np.where(alike, normal @ toward, 0.0)
-    middle: Floats = weight @ triangles.mean(axis=1) / weight.sum()
-    return middle
+    return weight @ triangles.mean(axis=1) / weight.sum()
