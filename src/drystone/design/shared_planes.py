@@ -67,9 +67,6 @@ class SharedPlanes(OneLine):
     corner: Ints
     area: Floats
 
-    def _summary(self) -> str:
-        return f"{len(self.corner)} distances"
-
     @classmethod
     def of(cls, model: Model, still: Bools) -> SharedPlanes:
         """The joints of a model; those whose vertices (v,) all stay are left out."""

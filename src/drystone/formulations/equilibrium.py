@@ -298,7 +298,6 @@ def solve_extreme_force(
     price: Floats,
     *,
     cone: FrictionCone,
-    options: ConicOptions | None = None,
 ) -> EquilibriumSolution:
     """The forces in equilibrium that minimise ``sum(price * force)``: thrust bounds.
 
@@ -307,7 +306,6 @@ def solve_extreme_force(
     statics
     price : (k, 3) per unit of scaled force, local n, u, v
     cone
-    options
     """
 
     def build(given: Statics) -> ConicProgram:
@@ -315,7 +313,7 @@ def solve_extreme_force(
         unknowns = add_corner_forces(program, given, linear=price.ravel())
         return _balanced(program, given, unknowns, cone)
 
-    return solved(build, statics, options)
+    return solved(build, statics)
 
 
 def solved(

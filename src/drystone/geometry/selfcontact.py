@@ -12,7 +12,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from drystone.base.arrays import ROUNDING, Bools, Floats, Ints, dot
+from drystone.base.arrays import ROUNDING, Bools, Floats, Ints, dot, unit
 from drystone.base.ragged import BATCH, Ragged, expand
 from drystone.geometry import boxes
 from drystone.geometry.polyhedron import Faces, Loop, stack_faces
@@ -192,11 +192,11 @@ def _kept_apart(surface: _Surface, ring: Ints, one: Ints, other: Ints) -> Bools:
     first = mine[rows, common.argmax(axis=1)]
     last = mine[rows, common.shape[1] - 1 - common[:, ::-1].argmax(axis=1)]
     at = np.where(shares[:, None], point[first], 0.5 * (middle[one] + middle[other]))
-    edge = _unit(np.where(shares[:, None], point[last] - point[first], 0.0))
+    edge = unit(np.where(shares[:, None], point[last] - point[first], 0.0))[0]
     ways = []
     for face in (one, other):
         way = middle[face] - at
-        ways.append(_unit(way - dot(way, edge)[:, None] * edge))
+        ways.append(unit(way - dot(way, edge)[:, None] * edge)[0])
     apart, rounding = np.zeros(len(one), dtype=bool), 1e-3 * ROUNDING
     for normal in (ways[1] - ways[0], surface.faces.normals[one], surface.faces.normals[other]):
         left = np.flatnonzero(~apart)
@@ -216,12 +216,6 @@ def _kept_apart(surface: _Surface, ring: Ints, one: Ints, other: Ints) -> Bools:
     return apart
 
 
-def _unit(vector: Floats) -> Floats:
-    """Rows (q, 3) of length one; zero where they have none."""
-    length = np.sqrt(dot(vector, vector))
-    return vector / np.where(length > 0.0, length, 1.0)[:, None]
-
-
 def _crossed_outlines(surface: _Surface) -> Iterator[_Finding]:
     """Faces whose outline crosses or touches itself."""
     faces = surface.faces
@@ -230,10 +224,8 @@ def _crossed_outlines(surface: _Surface) -> Iterator[_Finding]:
     thin = square <= (1e-12 * span) ** 2
     some = surface.of_faces((faces.corners.counts > 3) | thin)
     for face in np.flatnonzero(~shapely.is_valid(some.outline)).tolist():
-        yield (
-            int(some.faces.owner[face]),
-            (f"crosses itself in the outline of face {some.number[face]}"),
-        )
+        what = f"crosses itself in the outline of face {some.number[face]}"
+        yield int(some.faces.owner[face]), what
 
 
 def _near(low: Floats, high: Floats, others: tuple[Floats, Floats]) -> Iterator[tuple[Ints, Ints]]:
@@ -274,10 +266,7 @@ def _pierced_faces(surface: _Surface) -> Iterator[_Finding]:
         for e, f in zip(edge[inside].tolist(), face[inside].tolist(), strict=True):
             body = int(surface.faces.owner[f])
             a, b = (surface.edge[e] - surface.first_vertex[body]).tolist()
-            yield (
-                body,
-                (f"crosses itself: edge {a}-{b} goes through face {surface.number[f]}"),
-            )
+            yield body, f"crosses itself: edge {a}-{b} goes through face {surface.number[f]}"
 
 
 def _inside(surface: _Surface, point: Floats, face: Ints, margin: Floats) -> Bools:
@@ -310,13 +299,8 @@ def _touching_vertices(surface: _Surface) -> Iterator[_Finding]:
         for v, f in zip(vertex[on].tolist(), face[on].tolist(), strict=True):
             if not _short_edge(surface, v, f, joined):
                 body = int(surface.faces.owner[f])
-                yield (
-                    body,
-                    (
-                        f"touches itself: vertex {v - surface.first_vertex[body]} lies on face"
-                        f" {surface.number[f]}"
-                    ),
-                )
+                own = v - surface.first_vertex[body]
+                yield body, f"touches itself: vertex {own} lies on face {surface.number[f]}"
 
 
 def _short_edge(surface: _Surface, vertex: int, face: int, joined: set[tuple[int, ...]]) -> bool:

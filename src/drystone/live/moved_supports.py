@@ -128,12 +128,10 @@ def verdict_of(
     return replace(found, stage=replace(found.stage, headline=headline))
 
 
-def after_moving(
-    model: Model, motion: Floats, stop: Callable[[], bool], seconds: float = float("inf")
-) -> Result:
+def after_moving(model: Model, motion: Floats, stop: Callable[[], bool]) -> Result:
     """The verdict on a model whose supports move (n, 6) [m, rad], as a limit asks for it."""
     moving = model.with_load(replace(model.load, motion=motion))
-    found = _followed(moving, None, stop, seconds, None)
+    found = _followed(moving, None, stop, float("inf"), None)
     return check(model, stop=stop) if found is None else found.result
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from drystone.assembly import Assembly, Block
 from drystone.base.arrays import SAME, Floats, Ints, frozen, frozen_floats, lengths, whole
 from drystone.base.display import OneLine, shortened
-from drystone.base.errors import InputError, counted
+from drystone.base.errors import InputError
 from drystone.geometry.frames import unit
 from drystone.geometry.polyhedron import Faces, fan_triangles, stack_faces
 from drystone.geometry.solid import outside_distance
@@ -136,9 +136,6 @@ class SurfaceLoad(OneLine):
     point: Floats
     traction: Floats
     wrench: Floats
-
-    def _summary(self) -> str:
-        return counted(len(self.block), "line")
 
     @classmethod
     def of_all(cls, several: Sequence[SurfaceLoad]) -> SurfaceLoad:

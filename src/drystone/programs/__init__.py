@@ -5,7 +5,7 @@ from drystone.formulations.equilibrium import Objective, Weights
 from drystone.programs.cra import CRAOptions, solve_cra
 from drystone.programs.force_states import Forces, find_forces
 from drystone.programs.penalty import PenaltyOptions, solve_cra_penalty
-from drystone.programs.rbe import RBEOptions, build_rbe, build_rbe_penalty, solve_rbe
+from drystone.programs.rbe import RBEOptions, build_rbe, solve_rbe
 from drystone.solvers.program import ConicProgram
 
 __all__ = [
@@ -19,7 +19,6 @@ __all__ = [
     "RBEOptions",
     "Weights",
     "build_rbe",
-    "build_rbe_penalty",
     "find_forces",
     "solve_cra",
     "solve_cra_penalty",

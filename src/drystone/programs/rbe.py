@@ -104,7 +104,11 @@ class RBEOptions(Options):
 
 @checked_call
 def build_rbe(
-    given: Given, *, options: RBEOptions | None = None, **how: Unpack[How]
+    given: Given,
+    *,
+    options: RBEOptions | None = None,
+    tension: bool = False,
+    **how: Unpack[How],
 ) -> ConicProgram:
     """The program that :func:`solve_rbe` solves, with its matrices and named variables.
 
@@ -117,6 +121,10 @@ def build_rbe(
         A model; or an assembly or a file, of which ``how`` makes one.
     options
         Cone, objective and weights matter.
+    tension
+        The penalised program, in which joints may pull at a cost; :func:`solve_rbe` solves it where
+        no forces without tension balance the loads. It has one more variable, ``tension``: per
+        corner, subtracted from the normal force.
 
     Returns
     -------
@@ -144,31 +152,8 @@ def build_rbe(
     >>> float(force[:, 0].sum().round(1))
     23544.0
     """
-    return _program(Problem.build(as_model(given, **how)).statics, RBEOptions.of(options), False)
-
-
-@checked_call
-def build_rbe_penalty(
-    given: Given, *, options: RBEOptions | None = None, **how: Unpack[How]
-) -> ConicProgram:
-    """The penalised program, in which joints may pull at a cost; see :func:`build_rbe`.
-
-    :func:`solve_rbe` solves it where no forces without tension balance the loads. It has one more
-    variable, ``tension``: per corner, subtracted from the normal force.
-
-    Parameters
-    ----------
-    given
-        A model; or an assembly or a file, of which ``how`` makes one.
-    options
-
-    Examples
-    --------
-    >>> from drystone.models import tower
-    >>> build_rbe_penalty(tower(2), friction=0.6)
-    ConicProgram(16 unknowns, 26 rows, force, tension)
-    """
-    return _program(Problem.build(as_model(given, **how)).statics, RBEOptions.of(options), True)
+    statics = Problem.build(as_model(given, **how)).statics
+    return _program(statics, RBEOptions.of(options), tension)
 
 
 def _program(statics: Statics, options: RBEOptions, tension: bool) -> ConicProgram:

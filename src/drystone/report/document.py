@@ -29,9 +29,6 @@ class Picture(OneLine):
     size: tuple[int, int]
     caption: str
 
-    def _summary(self) -> str:
-        return f"'{self.caption}', {self.size[0]} x {self.size[1]}"
-
 
 Part: TypeAlias = str | Heading | Mapping[str, str] | Table | Picture | tuple[JointPlan, ...]
 """A paragraph, a heading, entries by name, a table, a picture, or plans of joints."""
@@ -44,9 +41,6 @@ class Section(OneLine):
     title: str
     parts: tuple[Part, ...]
 
-    def _summary(self) -> str:
-        return f"'{self.title}', {len(self.parts)} parts"
-
 
 @dataclass(frozen=True, eq=False)
 class Document(OneLine):
@@ -56,9 +50,6 @@ class Document(OneLine):
     entries: Mapping[str, str]
     foot: str
     sections: tuple[Section, ...]
-
-    def _summary(self) -> str:
-        return f"'{self.title}', {len(self.sections)} sections"
 
 
 @dataclass(frozen=True)

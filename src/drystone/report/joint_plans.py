@@ -42,9 +42,6 @@ class JointPlan(OneLine):
     pressed: Floats
     axes: str
 
-    def _summary(self) -> str:
-        return f"joint {self.joint}, {self.width:.3g} m wide"
-
     @property
     def width(self) -> float:
         """[m], the larger of both extents."""

@@ -22,7 +22,6 @@ import numpy as np
 
 from drystone.base.arrays import Floats
 from drystone.base.display import OneLine
-from drystone.base.errors import counted
 from drystone.base.files import PathLike
 from drystone.base.journal import Journal, exactly
 from drystone.base.progress import Stopped
@@ -78,9 +77,6 @@ class KnownFalls(OneLine):
     def __init__(self, model: StagedModel) -> None:
         self.model = model
         self._kept: dict[tuple[int, tuple[int, ...]], Fall] = {}
-
-    def _summary(self) -> str:
-        return counted(len(self._kept), "fall")
 
     def add(self, part: Stage, motion: Floats) -> None:
         """Keep the mechanism (b, 6) [m, rad] of the moving blocks of a part that falls.

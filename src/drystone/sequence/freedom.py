@@ -75,14 +75,13 @@ def twist_rows(corner: Floats, normal: Floats, centre: Floats, size: float) -> F
     return np.column_stack([normal, np.cross((corner - centre) / size, normal)])
 
 
-def free_twists(rows: Floats, tolerance: float = TOLERANCE) -> FreeTwists:
+def free_twists(rows: Floats) -> FreeTwists:
     """Twists x with ``rows @ x >= 0``, within the tolerance.
 
     Parameters
     ----------
     rows : (c, 6)
         Or (c, 3), normals only, for translations.
-    tolerance
 
     Examples
     --------
@@ -100,7 +99,7 @@ def free_twists(rows: Floats, tolerance: float = TOLERANCE) -> FreeTwists:
     units = np.concatenate([np.eye(size), -np.eye(size)])
     if not len(rows):
         return FreeTwists(units, np.zeros(0, dtype=np.intp))
-    grid = 0.1 * tolerance
+    grid = 0.1 * TOLERANCE
     whole, first = np.unique(np.round(rows / grid), axis=0, return_index=True)
     distinct = whole * grid
     found, used = [], np.zeros(len(distinct), dtype=bool)
@@ -109,7 +108,7 @@ def free_twists(rows: Floats, tolerance: float = TOLERANCE) -> FreeTwists:
         rest = seed + distinct.T @ factor
         length = float(np.linalg.norm(rest))
         used |= factor > 0.0
-        if length > OPEN and (distinct @ rest >= -tolerance * length).all():
+        if length > OPEN and (distinct @ rest >= -TOLERANCE * length).all():
             found.append(rest / length)
     if not found:
         return FreeTwists(np.zeros((0, size)), first[used])
@@ -118,9 +117,9 @@ def free_twists(rows: Floats, tolerance: float = TOLERANCE) -> FreeTwists:
     return FreeTwists(twist[kept], np.zeros(0, dtype=np.intp))
 
 
-def opens(rows: Floats, twist: Floats, tolerance: float = TOLERANCE) -> bool:
+def opens(rows: Floats, twist: Floats) -> bool:
     """Whether a twist (6,) closes no joint by more than the tolerance."""
-    return bool((rows @ twist >= -tolerance * np.linalg.norm(twist)).all())
+    return bool((rows @ twist >= -TOLERANCE * np.linalg.norm(twist)).all())
 
 
 @dataclass(frozen=True, eq=False)

@@ -469,8 +469,7 @@ def solve_response(
     imposed: Floats,
     *,
     compliance: float,
-    tolerance: float = 1e-7,
-    step_limit: int = 60,
+    step_limit: int,
 ) -> ResponseSolution:
     """Forces and motion under the loads of ``statics`` and a motion of the supports.
 
@@ -482,8 +481,6 @@ def solve_response(
         unit of displacement.
     compliance
         Overlap of a corner of mean area under the mean load, by the unit of displacement.
-    tolerance
-        On the fixed point, by the mean load.
     step_limit
     """
     k = statics.corner_count
@@ -503,7 +500,7 @@ def solve_response(
             break
         target = statics.friction * np.maximum(0.0, raw.x.reshape(k, 3)[:, 0])
         defect = float(np.abs(target - bound).max(initial=0.0))
-        if defect <= tolerance:
+        if defect <= 1e-7:  # by the mean load
             break
         relaxation = max(0.1, 0.5 * relaxation) if defect > last else min(1.0, 1.2 * relaxation)
         last = defect

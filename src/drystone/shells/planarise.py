@@ -68,7 +68,6 @@ def planarise(
     polygons: list[tuple[int, ...]],
     *,
     scale: float,
-    tolerance: float = _TOLERANCE,
     most: int = 30,
     progress: Progress | None = None,
 ) -> tuple[Floats, PlanarReport]:
@@ -81,8 +80,6 @@ def planarise(
         Loops of points; triangles are planar already.
     scale : [m]
         Length to which warp and drift are related, such as the size of a block.
-    tolerance
-        Largest warp in the end, relative to the length scale.
     most
         Newton steps.
     progress
@@ -105,7 +102,7 @@ def planarise(
     x = start.copy()
     before = _warp(x, groups)
     warp, steps = before, 0
-    goal = tolerance * scale
+    goal = _TOLERANCE * scale
     while warp > goal and steps < most:
         move = _newton_move(x, groups, scale)
         trial = x + move

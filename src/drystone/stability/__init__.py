@@ -3,13 +3,12 @@
 from drystone.stability.asked import CheckOptions
 from drystone.stability.check_many import check_many
 from drystone.stability.resting import try_rest
-from drystone.stability.screening import PATIENT, QUICK, SMOOTH, Screening
+from drystone.stability.screening import PATIENT, QUICK, Screening
 from drystone.stability.verdict import check
 
 __all__ = [
     "PATIENT",
     "QUICK",
-    "SMOOTH",
     "CheckOptions",
     "Screening",
     "check",

@@ -8,7 +8,6 @@ level       what it does
 ==========  =====================================================================================
 NEAREST     follows the stick-slip law from a given start; ends at the first step that must be cut
 QUICK       follows the stick-slip law; ends after a few steps without progress
-SMOOTH      as QUICK, with a smooth friction law, which is followed more easily
 PATIENT     follows the stick-slip law as far as :func:`drystone.check` does
 ==========  =====================================================================================
 """
@@ -32,10 +31,6 @@ models, 9 in place of 11 for one of a wall of 10,000 blocks."""
 
 TO_REST = RestOptions(ground=1e-7, tolerance=1e-7, iteration_limit=60, end=PROVED)
 """With ground springs this weak, a structure at rest leans on them by 1e-6 of its load."""
-
-SLIP_LENGTH = 10.0
-"""Slip length of the smooth friction law, by the local overlap. At a friction coefficient of 0.84
-the smooth law then begins about as stiff as the stick-slip law."""
 
 
 @dataclass(frozen=True)
@@ -78,8 +73,6 @@ NEAREST = replace(QUICK, numerics=replace(QUICK.numerics, warm_relaxation=1e-3, 
 """Measured on stages of vaults and domes of up to 60 blocks: all 15 that rest are found, and 136
 that do not rest take half of the time. In a vault of 366 blocks many that rest are missed. Without
 a start it is the level QUICK."""
-
-SMOOTH = QUICK.with_slip_lengths(SLIP_LENGTH)
 
 FEW_BLOCKS, MANY_BLOCKS = 25, 100
 """Free blocks of models whose stages are screened by NEAREST. With fewer blocks the search goes on

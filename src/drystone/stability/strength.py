@@ -71,22 +71,21 @@ def carried(problem: Problem, cone: FrictionCone, late: Callable[[], bool]) -> C
     return Carried(min(share, 1.0), None, Residuals(), checked_mechanism(problem, state), steps)
 
 
-def crushing_factor(model: Model, *, most: int = 150, stop: Stop | None = None) -> float | None:
+def crushing_factor(model: Model, *, stop: Stop | None = None) -> float | None:
     """The factor on all loads up to which forces within the strength of the joints balance them.
 
     Parameters
     ----------
     model
-    most
-        Blocks of a model of which it is asked, as for the margin of tilt.
     stop
 
     Returns
     -------
     float or None
-        None where no joint crushes, of more blocks, and where it was not found.
+        None where no joint crushes, of more than 150 blocks, as for the margin of tilt, and where
+        it was not found.
     """
-    if len(model) > most or not model.contacts.crushes.any():
+    if len(model) > 150 or not model.contacts.crushes.any():
         return None
     statics = Problem.build(model).statics
     none = replace(statics, load=np.zeros_like(statics.load))

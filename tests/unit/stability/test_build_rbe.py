@@ -30,7 +30,7 @@ def test_its_penalised_form_is_what_solve_rbe_answers_with_where_nothing_balance
     assert result.verdict is Verdict.UNSTABLE
     assert result.tension is not None
     assert drystone.programs.build_rbe(model).solve().status.value == "infeasible"
-    program = drystone.programs.build_rbe_penalty(model)
+    program = drystone.programs.build_rbe(model, tension=True)
     x = program.solve(RBEOptions().conic).x
     largest = result.tension.max()
     assert largest > 0.0
@@ -42,7 +42,7 @@ def test_its_penalised_form_is_what_solve_rbe_answers_with_where_nothing_balance
 def test_rows_and_variables_have_names(cone: FrictionCone, rule: FrictionRule) -> None:
     weights = Weights(friction=1.0)
     options = RBEOptions(cone=cone, rule=rule, objective=Objective.LINEAR, weights=weights)
-    program = drystone.programs.build_rbe_penalty(vault(), friction=0.6, options=options)
+    program = drystone.programs.build_rbe(vault(), friction=0.6, options=options, tension=True)
     assert list(program.variables) == ["force", "length", "tension"]
     assert set(program.rows) == {
         "equilibrium", "no pull", "tension", "length of friction", "friction",
