@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from drystone.assembly import Assembly, Block, Blocks
-from drystone.base.arrays import FARTHEST, Bools, Floats, frozen_floats, of_type
+from drystone.base.arrays import FARTHEST, Bools, Floats, frozen_floats, marked, of_type
 from drystone.base.display import Card, OneLine
 from drystone.base.errors import InputError, counted, quoted, require
 from drystone.base.settings import member_of
@@ -435,8 +435,7 @@ class Model(Card):
 
     def without(self, blocks: Blocks) -> Model:
         """The model less some of the blocks."""
-        kept = np.ones(len(self.assembly), dtype=bool)
-        kept[self.assembly.indices(blocks)] = False
+        kept = ~marked(self.assembly.indices(blocks), len(self.assembly))
         return self.subset(np.flatnonzero(kept).tolist())
 
     @property

@@ -11,7 +11,7 @@ from typing import TypeAlias
 import numpy as np
 
 from drystone.assembly import Assembly, Block
-from drystone.base.arrays import Bools, Floats, Ints
+from drystone.base.arrays import Bools, Floats, Ints, marked
 from drystone.base.display import named
 from drystone.base.errors import InputError, counted, meant
 from drystone.base.units import length
@@ -384,9 +384,7 @@ def _level(assembly: Assembly, bottom: Floats, up: Sequence[float]) -> Bools:
     least = faces.corners.min(faces.point[faces.loop] @ direction)
     reach = np.array([block.size for block in assembly.blocks])
     down &= least <= bottom[faces.owner] + 1e-3 * reach[faces.owner]
-    out = np.zeros(len(assembly), dtype=bool)
-    out[faces.owner[down]] = True
-    return out
+    return marked(faces.owner[down], len(assembly))
 
 
 def _below(assembly: Assembly, text: str, up: Sequence[float]) -> Bools:

@@ -16,7 +16,7 @@ from drystone.answer.chart import Chart
 from drystone.answer.question import UP
 from drystone.answer.sentences import Verdict
 from drystone.assembly import Assembly
-from drystone.base.arrays import Floats, Ints
+from drystone.base.arrays import Floats, Ints, marked
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
 from drystone.base.version import version
@@ -468,8 +468,7 @@ def stage_among(
     kept, interface : (s,), (j,)
         Positions of the blocks and interfaces of the stage among all.
     """
-    here = np.zeros(contacts.count, dtype=bool)
-    here[interface] = True
+    here = marked(interface, contacts.count)
     corner = np.flatnonzero(here[contacts.interface])
     count = {"block": blocks, "interface": contacts.count, "corner": contacts.corner_count}
     place = {"block": kept, "interface": interface, "corner": corner}

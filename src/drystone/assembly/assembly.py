@@ -12,7 +12,7 @@ import numpy as np
 
 from drystone.assembly.block import Block, replace_block
 from drystone.base import units
-from drystone.base.arrays import Bools, Floats, Ints, frozen, frozen_floats, of_type, whole
+from drystone.base.arrays import Bools, Floats, Ints, frozen, frozen_floats, marked, of_type, whole
 from drystone.base.display import Card
 from drystone.base.errors import InputError, counted, meant, quoted
 from drystone.geometry import polyhedron
@@ -215,14 +215,12 @@ class Assembly(Card):
 
     def without(self, blocks: Blocks) -> Assembly:
         """The assembly without some of the blocks."""
-        gone = np.zeros(len(self), dtype=bool)
-        gone[self.indices(blocks)] = True
+        gone = marked(self.indices(blocks), len(self))
         return self.subset(np.flatnonzero(~gone).tolist())
 
     def with_fixed(self, blocks: Blocks) -> Assembly:
         """The same blocks with exactly the given ones fixed."""
-        mask = np.zeros(len(self), dtype=bool)
-        mask[self.indices(blocks)] = True
+        mask = marked(self.indices(blocks), len(self))
         return Assembly(self.blocks, mask)
 
     def moved(self, motion: Floats) -> Assembly:

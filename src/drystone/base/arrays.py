@@ -232,3 +232,17 @@ def unit(vectors: Floats) -> tuple[Floats, Floats]:
     """Directions (..., 3) of vectors, and their lengths (...,); zero vectors stay zero."""
     length = lengths(vectors)
     return vectors / np.where(length > 0.0, length, 1.0)[..., None], length
+
+
+def marked(rows: Any, count: int) -> Bools:
+    """(count,) whether each row is among those with these numbers."""
+    among = np.zeros(count, dtype=bool)
+    among[rows] = True
+    return among
+
+
+def places(rows: Ints, count: int) -> Ints:
+    """(count,) the place of each row among those with these numbers; -1 of others."""
+    place = np.full(count, -1, dtype=np.intp)
+    place[rows] = np.arange(len(rows))
+    return place

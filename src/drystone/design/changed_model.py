@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from drystone.assembly import Assembly, Block
-from drystone.base.arrays import Bools, Floats, Ints, cross
+from drystone.base.arrays import Bools, Floats, Ints, cross, marked, places
 from drystone.base.errors import InputError
 from drystone.contacts import Contacts, joined_contacts
 from drystone.detection import find_contacts, find_overlaps
@@ -66,10 +66,8 @@ def changed(
         (*(blocks.get(i, model.assembly.blocks[i]) for i in kept.tolist()), *added),
         np.concatenate([model.assembly.fixed[kept], np.asarray(fixed, dtype=bool)]),
     )
-    new = np.full(before, -1, dtype=np.intp)
-    new[kept] = np.arange(len(kept))
-    touched = np.zeros(len(assembly), dtype=bool)
-    touched[new[[i for i in blocks if new[i] >= 0]]] = True
+    new = places(kept, before)
+    touched = marked(new[[i for i in blocks if new[i] >= 0]], len(assembly))
     touched[len(kept) :] = True
     old = model.contacts
     a, b = new[old.block_a], new[old.block_b]

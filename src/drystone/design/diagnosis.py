@@ -14,7 +14,7 @@ from typing import Any, Unpack
 import numpy as np
 
 from drystone.answer import Answer, Layer, LayerKind, Role, Scene, Sentence
-from drystone.base.arrays import SAME, Floats, frozen, lengths
+from drystone.base.arrays import SAME, Floats, frozen, lengths, marked
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
 from drystone.base.progress import Clock, Stopped
@@ -151,8 +151,7 @@ def _region(
 ) -> Region:
     """A region, examined with its neighbours fixed."""
     late = clock.late
-    inside = np.zeros(len(model), dtype=bool)
-    inside[list(blocks)] = True
+    inside = marked(list(blocks), len(model))
     interfaces = interfaces_of(model, blocks)
     local, position = local_model(model, blocks)
     large = len(blocks) > LARGE_REGION

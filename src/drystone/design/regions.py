@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from scipy import sparse
 
-from drystone.base.arrays import Bools, Floats, Ints
+from drystone.base.arrays import Bools, Floats, Ints, marked
 from drystone.base.progress import Stop
 from drystone.base.ragged import linked
 from drystone.design.margin import LARGE_REGION, QUICK
@@ -45,8 +45,7 @@ def regions_of(model: Model, needy: Sequence[int]) -> list[tuple[int, ...]]:
     >>> regions_of(Model.of(tower(5)), [1, 3, 4])
     [(3, 4), (1,)]
     """
-    chosen = np.zeros(len(model), dtype=bool)
-    chosen[list(needy)] = True
+    chosen = marked(list(needy), len(model))
     a, b = model.contacts.block_a, model.contacts.block_b
     both = chosen[a] & chosen[b]
     part = linked(a[both], b[both], len(model))
@@ -66,8 +65,7 @@ def local_model(model: Model, region: Sequence[int]) -> tuple[Model, Ints]:
     position : (l,)
         Of each of its blocks in the whole model.
     """
-    inside = np.zeros(len(model), dtype=bool)
-    inside[list(region)] = True
+    inside = marked(list(region), len(model))
     a, b = model.contacts.block_a, model.contacts.block_b
     beside = np.zeros(len(model), dtype=bool)
     beside[a[inside[b]]] = beside[b[inside[a]]] = True
@@ -81,8 +79,7 @@ def local_model(model: Model, region: Sequence[int]) -> tuple[Model, Ints]:
 
 def interfaces_of(model: Model, region: Sequence[int]) -> Bools:
     """(m,) interfaces at which a block of the region takes part."""
-    inside = np.zeros(len(model), dtype=bool)
-    inside[list(region)] = True
+    inside = marked(list(region), len(model))
     touched: Bools = inside[model.contacts.block_a] | inside[model.contacts.block_b]
     return touched & model.active
 

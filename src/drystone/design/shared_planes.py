@@ -22,7 +22,7 @@ from typing import Literal, TypeAlias
 import numpy as np
 from scipy import sparse
 
-from drystone.base.arrays import ROUNDING, SAME, Bools, Floats, Ints, cross, dot, number
+from drystone.base.arrays import ROUNDING, SAME, Bools, Floats, Ints, cross, dot, marked, number
 from drystone.base.display import OneLine, named
 from drystone.base.errors import InputError
 from drystone.base.ragged import linked
@@ -365,8 +365,7 @@ def joint_moves(
         An axis is unknown, a face would not stay plane, or no joint has ends that two blocks share.
     """
     along = None if along == "none" else along
-    kept = np.zeros(len(model), dtype=bool)
-    kept[list(kept_blocks(model, keep))] = True
+    kept = marked(list(kept_blocks(model, keep)), len(model))
     if along is not None:
         require_prisms(model, along, kept)
     places = Places.of(model, along, mirror)

@@ -14,7 +14,7 @@ from scipy import sparse
 from scipy.spatial import cKDTree
 
 from drystone.assembly import Assembly, Block, replace_block
-from drystone.base.arrays import SAME, Bools, Floats, Ints, cross, dot
+from drystone.base.arrays import SAME, Bools, Floats, Ints, cross, dot, marked
 from drystone.base.errors import InputError
 from drystone.base.ragged import Ragged, linked
 from drystone.geometry.selfcontact import self_contacts
@@ -78,8 +78,7 @@ class Places:
         still : (v,)
             A place stays where one of its vertices, or of those of its images, stays.
         """
-        stays = np.zeros(self.count, dtype=bool)
-        stays[self.group[still]] = True
+        stays = marked(self.group[still], self.count)
         stays = np.asarray(stays[self.image].any(axis=0), dtype=np.bool_)
         members = [np.flatnonzero(self.group == place) for place in range(self.count)]
         rows: list[Ints] = []

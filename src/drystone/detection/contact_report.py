@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from drystone.base.arrays import Bools, Floats, Ints
+from drystone.base.arrays import Bools, Floats, Ints, places
 from drystone.base.display import Card, first_of, named
 from drystone.base.errors import counted
 from drystone.base.table import Table
@@ -180,8 +180,7 @@ class ContactReport(Card):
 
     def of_blocks(self, blocks: Ints) -> ContactReport:
         """The report of some of the blocks, numbered anew in their order."""
-        new = np.full(len(self.names), -1, dtype=np.intp)
-        new[blocks] = np.arange(len(blocks))
+        new = places(blocks, len(self.names))
         among = (new[self.block_a] >= 0) & (new[self.block_b] >= 0)
         block_a, block_b = new[self.block_a[among]], new[self.block_b[among]]
 

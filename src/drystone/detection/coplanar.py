@@ -61,8 +61,7 @@ def without_straight(corner: Floats, start: Ints, size: Floats) -> tuple[Floats,
     """Rings without the corners on straight lines that merging faces leaves."""
     while True:
         after = Ragged(start).following
-        before = np.empty_like(after)
-        before[after] = np.arange(len(after))
+        before = np.argsort(after)
         ring = np.repeat(np.arange(len(start) - 1), np.diff(start))
         chord = corner[after] - corner[before]
         length = np.linalg.norm(chord, axis=1)

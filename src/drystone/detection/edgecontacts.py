@@ -10,7 +10,7 @@ import numpy as np
 import shapely
 
 from drystone.assembly import Assembly
-from drystone.base.arrays import SAME, Bools, Floats, Ints, dot
+from drystone.base.arrays import SAME, Bools, Floats, Ints, dot, marked
 from drystone.base.ragged import BATCH, Ragged, expand
 from drystone.detection.candidates import Pairs, warp_slack
 from drystone.detection.interfaces import Interfaces
@@ -52,8 +52,7 @@ class Wires:
     def of(cls, assembly: Assembly, origin: Floats, blocks: Ints) -> Wires:
         """The wires of some blocks (b,), ascending."""
         faces, count = assembly.faces, len(assembly)
-        asked = np.zeros(count, dtype=bool)
-        asked[blocks] = True
+        asked = marked(blocks, count)
         corners, row = faces.corners.take(asked[faces.owner])
         loop, number = faces.loop[row], len(faces.point)
         after = loop[corners.following]
@@ -174,8 +173,7 @@ def edge_contacts(
         return _interfaces(patches, pairs, nothing), np.zeros((0, 2), dtype=np.intp)
     search = _EdgeSearch(assembly, patches, pairs, reach, options)
     on_faces, meets = search.on_faces()
-    touched = np.zeros(len(pairs[0]), dtype=bool)
-    touched[on_faces.pair] = True
+    touched = marked(on_faces.pair, len(pairs[0]))
     crossing = search.crossing(np.flatnonzero(~touched))
     touched[crossing.pair] = True
     meets &= ~touched

@@ -13,7 +13,7 @@ import numpy as np
 import shapely
 
 from drystone.assembly import Assembly
-from drystone.base.arrays import Bools, Floats, Ints, plane_cross
+from drystone.base.arrays import Bools, Floats, Ints, marked, plane_cross
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
 from drystone.base.ragged import BATCH, Ragged, expand
@@ -245,8 +245,7 @@ def block_overlaps(
     a, b = pairs
     low, high = patches.boxes
     near = (np.minimum(high[a], high[b]) - np.maximum(low[a], low[b])).min(axis=1) > tolerance
-    parted = np.zeros(len(a), dtype=bool)
-    parted[joined] = True
+    parted = marked(joined, len(a))
     near &= ~(parted & patches.block_convex[a] & patches.block_convex[b])
     if not near.any():
         return ()

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from drystone.assembly import Assembly
-from drystone.base.arrays import Bools, Floats, Ints, lengths
+from drystone.base.arrays import Bools, Floats, Ints, lengths, marked
 from drystone.base.ragged import BATCH, Ragged
 from drystone.detection.candidates import (
     NEAR_BESIDE,
@@ -202,8 +202,7 @@ def _faces(
     loose &= most <= limit[row]
 
     taken = deep | loose
-    of_row = np.zeros(len(pair), dtype=bool)
-    of_row[row[taken]] = True
+    of_row = marked(row[taken], len(pair))
     near = within(
         shared.select(taken | (checked.accepted & ~of_row[row])),
         planes,

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drystone.assembly import Assembly
-from drystone.base.arrays import Bools, Floats, Ints
+from drystone.base.arrays import Bools, Floats, Ints, marked
 from drystone.base.display import OneLine
 from drystone.base.errors import counted
 from drystone.base.ragged import Ragged
@@ -103,8 +103,7 @@ def _checked(
     most_warp = np.maximum(patches.warp[f], patches.warp[g])
     too_warped = (most_warp > options.warp * planes.size)[row]
     accepted = ~(too_far | too_deep | too_steep | too_warped)
-    partial = np.zeros(len(f), dtype=bool)
-    partial[row[over > 0.0]] = True
+    partial = marked(row[over > 0.0], len(f))
     return ToleranceCheck(
         tolerance,
         granted,

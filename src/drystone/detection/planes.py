@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 import shapely
 
-from drystone.base.arrays import SAME, Bools, Floats, Ints, dot
+from drystone.base.arrays import SAME, Bools, Floats, Ints, dot, marked
 from drystone.base.ragged import Ragged, expand
 from drystone.detection.coplanar import EXACT
 from drystone.detection.patches import Patches
@@ -179,8 +179,7 @@ def uncovered(patches: Patches, planes: Planes, pieces: Pieces) -> tuple[Pieces,
         regions[piece] = planar.overlay(shapely.difference, regions[piece], cover)
     hidden[pieces.row[cut]] = True
     corner, start, source = planar.pieces_of(regions[cut])
-    whole = np.ones(pieces.count, dtype=bool)
-    whole[cut] = False
+    whole = ~marked(cut, pieces.count)
     left = tidy(Pieces(corner, start, pieces.row[cut][source]), planes)
     left = left.select(left.width > _BEHIND * planes.size[left.row])
     return merged([pieces.select(whole), left]), hidden

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from drystone.base.arrays import marked
 from drystone.base.display import OneLine
 from drystone.base.errors import counted
 from drystone.detection.interfaces import Interfaces, joined
@@ -70,8 +71,7 @@ def resample(found: Interfaces, angle: float) -> tuple[Interfaces, tuple[Resampl
     if made is None:
         return found, ()
     new = _pieces(given, made)
-    left = np.ones(found.count, dtype=bool)
-    left[some] = False
+    left = ~marked(some, found.count)
     told = _told(given, new, made)
     return joined([found.take(np.flatnonzero(left)), new]).ordered(), told
 

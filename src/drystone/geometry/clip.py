@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from drystone.base.arrays import Bools, Floats, Ints, plane_cross
+from drystone.base.arrays import Bools, Floats, Ints, marked, plane_cross
 from drystone.base.ragged import Ragged
 
 Padded = tuple[Floats, Ints]
@@ -142,8 +142,7 @@ def cleaned(corner: Floats, start: Ints, tolerance: Floats) -> _Flat:
     while len(corner):
         loops = Ragged(start)
         loop, after = loops.owner, loops.following
-        before = np.empty_like(after)
-        before[after] = np.arange(len(after))
+        before = np.argsort(after)
         forth, back = corner[after] - corner, corner - corner[before]
         near = np.hypot(forth[:, 0], forth[:, 1]) <= tolerance[loop]
         chord = corner[after] - corner[before]
@@ -159,6 +158,5 @@ def cleaned(corner: Floats, start: Ints, tolerance: Floats) -> _Flat:
 
 def _alternate(spare: Bools, before: Ints, loops: Ragged) -> Bools:
     """The first corner of each polygon whose corners could all be removed."""
-    first = np.zeros(len(spare), dtype=bool)
-    first[loops.first[loops.all(spare) & (loops.counts > 0)]] = True
+    first = marked(loops.first[loops.all(spare) & (loops.counts > 0)], len(spare))
     return first & spare[before]

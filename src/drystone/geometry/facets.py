@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import shapely
 
-from drystone.base.arrays import Bools, Floats, Ints, dot
+from drystone.base.arrays import Bools, Floats, Ints, dot, marked
 from drystone.base.ragged import BATCH, Ragged, expand, first_linked, sum_by_owner
 from drystone.geometry import boxes, clip, planar
 from drystone.geometry.frames import frames_from_normals
@@ -261,8 +261,7 @@ def _united(point: Floats, loops: Ragged, vector: Floats, cell: Ints, wide: Bool
     which = np.repeat(source[good], length)
     joined_point = middle[which] + np.einsum("li,lij->lj", kept, frame[which, 1:])
 
-    alone = np.ones(len(area), dtype=bool)
-    alone[facet[part.spread(whole)]] = False
+    alone = ~marked(facet[part.spread(whole)], len(area))
     rest = np.flatnonzero(alone)
     own, own_corner = loops.take(rest)
     together, together_row = part.take(whole)

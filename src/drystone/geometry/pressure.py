@@ -129,8 +129,7 @@ def _first_guess(local: Floats, loops: Ragged, slope: Floats) -> Floats:
     sense = np.sign(loops.sum(plane_cross(local, local[after])))[loops.owner]
     near = loops.argmax(sense * plane_cross(edge, local) / np.maximum(lengths(edge), 1e-300))
     late = dot(local[near] + local[after[near]], edge[near]) < 0.0
-    before = np.empty_like(after)
-    before[after] = np.arange(len(after))
+    before = np.argsort(after)
     corner, other, third = local[
         np.where(late, [after[near], near, after[after[near]]], [near, after[near], before[near]])
     ]

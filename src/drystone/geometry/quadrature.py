@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drystone.base.arrays import Floats, Ints, dot, lengths, plane_cross
+from drystone.base.arrays import Floats, Ints, dot, lengths, places, plane_cross
 from drystone.base.ragged import Ragged
 from drystone.geometry.kern import sections
 from drystone.geometry.polygon import tributary_areas
@@ -226,8 +226,7 @@ def _cells(pieces: _Pieces, polygons: Ints, size: Floats) -> tuple[Ragged, Float
     and the rings along the edge, at least in two: a needle is short across. A cell stands at its
     centroid.
     """
-    position = np.full(len(size), -1)
-    position[polygons] = np.arange(len(polygons))
+    position = places(polygons, len(size))
     chosen = np.flatnonzero(position[pieces.polygon] >= 0)
     loops, row = pieces.loops.take(chosen)
     corner = pieces.corner[row]

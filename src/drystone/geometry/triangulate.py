@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from drystone.base.arrays import ROUNDING, Bools, Floats, Ints, cross, plane_cross, unit
+from drystone.base.arrays import ROUNDING, Bools, Floats, Ints, cross, marked, plane_cross, unit
 from drystone.base.ragged import Ragged
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.polygon import area_vectors
@@ -154,8 +154,7 @@ def fan_warped(faces: Faces, tolerance: float = ROUNDING) -> Faces:
     added = np.flatnonzero(chosen)
     middle = faces.corners.mean(corner)
     order = np.argsort(np.concatenate([body, faces.owner[added]]), kind="stable")
-    place = np.empty(len(order), dtype=np.intp)
-    place[order] = np.arange(len(order))
+    place = np.argsort(order)
     middle_at = np.full(faces.count, -1, dtype=np.intp)
     middle_at[added] = place[len(body) :]
     face = faces.corners.owner
@@ -166,8 +165,7 @@ def fan_warped(faces: Faces, tolerance: float = ROUNDING) -> Faces:
     row[:, 2] = middle_at[face]
     kept = np.ones((len(face), 3), dtype=bool)
     kept[:, 1:] = fanned[:, None]
-    first = np.zeros(len(face), dtype=bool)
-    first[faces.start[:-1]] = True
+    first = marked(faces.start[:-1], len(face))
     begins = np.flatnonzero(first | fanned)
     pieces = Ragged(np.append(begins, len(face)))
     corners = Ragged.from_counts(pieces.sum(kept.sum(axis=1)))

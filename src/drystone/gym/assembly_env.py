@@ -16,7 +16,7 @@ from typing import Any, ClassVar, NamedTuple, TypeAlias, Unpack
 
 import numpy as np
 
-from drystone.base.arrays import Bools, Floats, Ints, frozen, frozen_floats, unit, whole
+from drystone.base.arrays import Bools, Floats, Ints, frozen, frozen_floats, marked, unit, whole
 from drystone.base.errors import InputError, MissingDependency
 from drystone.base.settings import Options
 from drystone.io.opening import Given, How
@@ -336,8 +336,7 @@ class AssemblyEnv(gymnasium.Env):  # type: ignore[misc]  # gymnasium is not ther
 
     def _told(self, outcome: PlacedBlock) -> dict[str, Any]:
         answer = outcome.answer
-        falling = np.zeros(len(self.structure.model), dtype=bool)
-        falling[[] if answer is None else list(answer.falling)] = True
+        falling = marked([] if answer is None else list(answer.falling), len(self.structure.model))
         return {
             "verdict": "" if answer is None else answer.verdict.value,
             "friction_left": 0.0 if answer is None else answer.friction_left,

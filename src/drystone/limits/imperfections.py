@@ -358,8 +358,7 @@ def imperfect(
 def _chipped(contacts: Contacts, lost: np.ndarray, reach: float) -> tuple[Floats, np.ndarray]:
     """Corners with some of them cut off: each is replaced by two corners on its edges."""
     after = Ragged(contacts.start).following
-    before = np.empty_like(after)
-    before[after] = np.arange(len(after))
+    before = np.argsort(after)
     here = contacts.point
     polygonal = np.diff(contacts.start)[contacts.interface] > 2
     cut = lost & polygonal

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drystone.base import units
-from drystone.base.arrays import SAME, Floats, cross
+from drystone.base.arrays import SAME, Floats, cross, marked
 from drystone.base.errors import counted
 from drystone.base.progress import Progress
 from drystone.contacts import Contacts
@@ -394,8 +394,7 @@ def moved_model(found: LargeDisplacement) -> Model:
     model, last = found.model, found.fallen or found.states[-1]
     normal, contacts = last.force[:, 0], last.contacts
     touches = normal > SAME * float(normal.max(initial=0.0))
-    joint = np.zeros(len(contacts), dtype=bool)
-    joint[contacts.interface[touches]] = True
+    joint = marked(contacts.interface[touches], len(contacts))
     corner = touches[joint[contacts.interface]]
     some = contacts.select(joint)
     pressing = replace(some, point=some.point[corner], interface=some.interface[corner])

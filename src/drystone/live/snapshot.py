@@ -9,6 +9,7 @@ import numpy as np
 
 from drystone.answer.question import Question
 from drystone.answer.scene import stage_among
+from drystone.base.arrays import marked
 from drystone.contacts import Contacts, joined_contacts
 from drystone.geometry.frames import rotation_about
 from drystone.live.wish import Wish, WishedModel
@@ -76,8 +77,7 @@ def widened(found: Found, asked: WishedModel) -> tuple[SceneStage, Contacts]:
     the model.
     """
     blocks, contacts = len(asked.whole), asked.whole.contacts
-    here = np.zeros(blocks, dtype=bool)
-    here[asked.kept] = True
+    here = marked(asked.kept, blocks)
     interface = np.flatnonzero(here[contacts.block_a] & here[contacts.block_b])
     own = found.result.model.contacts
     more = own.select(np.arange(own.count) >= len(interface), asked.kept)

@@ -9,7 +9,7 @@ from typing import TypeAlias
 import numpy as np
 
 from drystone.base import units
-from drystone.base.arrays import Floats, Ints
+from drystone.base.arrays import Floats, Ints, marked
 from drystone.base.errors import InputError
 from drystone.base.settings import Options, checked_call
 from drystone.design.changed_model import acceleration_of
@@ -149,8 +149,7 @@ def asked(model: Model, wish: Wish) -> WishedModel:
     for block, force in wish.pushes:
         load = load + LoadCase.point_load(model.assembly, block, force)
     model = model.with_load(replace(load, name=_load_name(model.load, wish)))
-    gone = np.zeros(len(model), dtype=bool)
-    gone[model.assembly.indices(list(wish.removed))] = True
+    gone = marked(model.assembly.indices(list(wish.removed)), len(model))
     if gone.all():
         raise InputError("every block is removed", remedy="put one back")
     kept = np.flatnonzero(~gone)

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from drystone.assembly import Assembly, Block
-from drystone.base.arrays import SAME, Floats, Ints, frozen, frozen_floats, lengths, whole
+from drystone.base.arrays import SAME, Floats, Ints, frozen, frozen_floats, lengths, places, whole
 from drystone.base.display import OneLine, shortened
 from drystone.base.errors import InputError
 from drystone.geometry.frames import unit
@@ -195,8 +195,7 @@ class SurfaceLoad(OneLine):
 
     def of_blocks(self, chosen: Ints, count: int) -> SurfaceLoad:
         """Those of some blocks, which are the first of ``count``."""
-        position = np.full(len(self.wrench), -1, dtype=np.intp)
-        position[chosen] = np.arange(len(chosen))
+        position = places(chosen, len(self.wrench))
         wrench = filled(self.wrench[chosen], count)
         kept = position[self.block] >= 0
         return SurfaceLoad(

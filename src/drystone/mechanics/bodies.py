@@ -15,7 +15,7 @@ from functools import cached_property
 import numpy as np
 
 from drystone.assembly import Assembly
-from drystone.base.arrays import Bools, Floats, Ints, cross, dot, lengths, plane_cross
+from drystone.base.arrays import Bools, Floats, Ints, cross, dot, lengths, places, plane_cross
 from drystone.base.ragged import sum_by_owner
 from drystone.geometry.polyhedron import fan_triangles
 from drystone.joints import SWAY
@@ -176,8 +176,7 @@ def build_bodies(
     """
     assembly, contacts, joint = model.assembly, model.contacts, model.contacts.interface
     free = assembly.free
-    slot = np.full(len(assembly), -1, dtype=np.intp)
-    slot[free] = np.arange(len(free))
+    slot = places(free, len(assembly))
     size = np.cbrt(assembly.volume)
     length = float(size[free].mean())
     # relative to a point of the model, so a distant origin costs no digits

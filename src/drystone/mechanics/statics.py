@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from scipy import sparse
 
-from drystone.base.arrays import Bools, Floats, Ints, dot, lengths
+from drystone.base.arrays import Bools, Floats, Ints, dot, lengths, places
 from drystone.base.ragged import Ragged
 from drystone.contacts import Contacts
 from drystone.geometry.stress_block import cut_off, stress_block
@@ -318,8 +318,7 @@ def build_statics(model: Model, contacts: Contacts | None = None) -> Statics:
     count = len(assembly)
     model.require_still()
     free = assembly.free
-    slot = np.full(count, -1, dtype=np.intp)
-    slot[free] = np.arange(len(free))
+    slot = places(free, count)
     of_a, of_b = contacts.corner_blocks
     length = assembly.size
     loads = load.wrench[free]

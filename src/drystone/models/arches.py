@@ -10,7 +10,7 @@ from itertools import pairwise
 import numpy as np
 
 from drystone.assembly import Assembly, Block
-from drystone.base.arrays import Floats
+from drystone.base.arrays import Floats, marked
 from drystone.models.simple import box
 from drystone.models.solids import prism, require, welded
 from drystone.models.walls import course_ends
@@ -71,8 +71,7 @@ def arch(
         for joint, side in ((joints[0], "left"), (joints[-1], "right"))
     ]
     ordered = (feet[0], *blocks, feet[1])
-    fixed = np.zeros(len(ordered), dtype=bool)
-    fixed[[0, -1]] = True
+    fixed = marked([0, -1], len(ordered))
     return Assembly(ordered, fixed)
 
 
@@ -119,8 +118,7 @@ def buttressed_arch(
             for i in range(courses)
         ]
     blocks += voussoirs_between(joints, (-0.5 * depth, 0.5 * depth))
-    fixed = np.zeros(len(blocks), dtype=bool)
-    fixed[[0, courses]] = True
+    fixed = marked([0, courses], len(blocks))
     return Assembly(tuple(blocks), fixed).with_density(density)
 
 

@@ -23,7 +23,7 @@ from scipy import sparse
 
 from drystone.answer import Answer, Role, Scene, Sentence
 from drystone.answer.drawing import bare_scene, seen
-from drystone.base.arrays import SAME, Floats
+from drystone.base.arrays import SAME, Floats, places
 from drystone.base.declared import Offered
 from drystone.base.display import named
 from drystone.base.errors import InputError, SolverError, counted
@@ -160,8 +160,7 @@ def opening_rows(model: Model) -> sparse.csr_matrix:
     Velocities are relative to the size of each block. Corners between two fixed blocks are omitted.
     """
     assembly, contacts = model.assembly, model.contacts
-    place = np.full(len(assembly), -1, dtype=np.intp)
-    place[assembly.free] = np.arange(len(assembly.free))
+    place = places(assembly.free, len(assembly))
     corner = np.flatnonzero(model.active[contacts.interface])
     joint = contacts.interface[corner]
     normal = contacts.frame[joint, 0]

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from drystone.assembly import Assembly
-from drystone.base.arrays import Bools, Floats, Ints, lengths
+from drystone.base.arrays import Bools, Floats, Ints, lengths, places
 from drystone.base.display import OneLine
 from drystone.checks import unbalanced_wrench
 from drystone.contacts import Contacts
@@ -158,8 +158,7 @@ class PartSolver(OneLine):
     def _contacts_of(self, blocks: Ints, resting: Bools) -> tuple[Contacts, Bools]:
         """Contacts of some blocks, at least one movable, and which (m,) of the model they are."""
         n = len(self.structure.assembly)
-        new = np.full(n, -1, dtype=np.intp)
-        new[blocks] = np.arange(len(blocks))
+        new = places(blocks, n)
         still = np.ones(n, dtype=bool)
         still[blocks] = resting
         a, b = self.structure.contacts.block_a, self.structure.contacts.block_b

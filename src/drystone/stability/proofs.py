@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from drystone.assembly import Assembly
-from drystone.base.arrays import Bools, Floats
+from drystone.base.arrays import Bools, Floats, marked
 from drystone.checks import FORCE_TOLERANCE, block_speed, check_forces, mechanism_defects
 from drystone.formulations.equilibrium import EquilibriumSolution, held_still
 from drystone.mechanics.rest_state import RestState
@@ -70,8 +70,7 @@ def moving_blocks(assembly: Assembly, mechanism: Floats | None) -> tuple[int, ..
 
 def part_of_fall(found: Result) -> Bools:
     """The blocks (n,) that fall or take part in the motion that proves it."""
-    moving = np.zeros(len(found.assembly), dtype=bool)
-    moving[list(found.falling)] = True
+    moving = marked(list(found.falling), len(found.assembly))
     moving[list(moving_blocks(found.assembly, found.mechanism))] = True
     return moving
 
