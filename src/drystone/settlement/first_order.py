@@ -386,19 +386,17 @@ def _state(task: _Task, prescribed: Floats) -> Result:
         raise InputError("nothing loads the free blocks", remedy="add their weight")
     loose = Assembly(assembly.blocks)  # moving supports are free in the kinematics
     imposed = corner_motion(loose, part, prescribed) / size
-    solution = solve_response(
-        statics, imposed, compliance=chosen.compliance, step_limit=chosen.step_limit
-    )
-    moved = prescribed + statics.physical_motion(solution.motion, len(assembly), size)
+    scaled, motion, raw, defect = _solved(statics, imposed, chosen)
+    moved = prescribed + statics.physical_motion(motion, len(assembly), size)
     force = np.zeros((contacts.corner_count, 3))
-    force[active[contacts.interface]] = statics.physical_force(solution.force)
-    solved = solution.raw.status is ConicStatus.SOLVED
-    residuals, verdict, message = None, Verdict.UNDECIDED, solution.raw.message
-    if solution.raw.status is ConicStatus.INFEASIBLE:
+    force[active[contacts.interface]] = statics.physical_force(scaled)
+    solved = raw.status is ConicStatus.SOLVED
+    residuals, verdict, message = None, Verdict.UNDECIDED, raw.message
+    if raw.status is ConicStatus.INFEASIBLE:
         message = "no contact forces were found that balance the loads; see whether it stands"
     if solved:
         residuals = _residuals(model, force, moved)
-        message = f"Coulomb friction is met to {solution.defect:.1e} of the mean load only"
+        message = f"Coulomb friction is met to {defect:.1e} of the mean load only"
         if residuals.largest <= CHECKED:
             verdict = Verdict.STABLE
             follow = "the blocks follow the supports and come to rest"
@@ -412,8 +410,8 @@ def _state(task: _Task, prescribed: Floats) -> Result:
         displacement=moved if solved else None,
         residuals=residuals,
         options=chosen,
-        solver=solution.raw.solver,
-        iterations=solution.steps,
+        solver=raw.solver,
+        iterations=raw.iterations,
         time_s={"solve": time.perf_counter() - began},
     )
 
@@ -442,36 +440,10 @@ TANGENTIAL = 0.1
 """Tangential stiffness divided by normal stiffness. Chosen as in the search for a rest state."""
 
 
-@dataclass(frozen=True, eq=False)
-class ResponseSolution:
-    """Scaled answer.
-
-    Attributes
-    ----------
-    force : (k, 3)
-    motion : (n, 6) of the free blocks
-    steps
-        Steps of the fixed-point iteration.
-    defect
-        Largest excess of friction over ``mu fn`` or change of the bound, by the mean load.
-    raw
-    """
-
-    force: Floats
-    motion: Floats
-    steps: int
-    defect: float
-    raw: ConicSolution
-
-
-def solve_response(
-    statics: Statics,
-    imposed: Floats,
-    *,
-    compliance: float,
-    step_limit: int,
-) -> ResponseSolution:
-    """Forces and motion under the loads of ``statics`` and a motion of the supports.
+def _solved(
+    statics: Statics, imposed: Floats, chosen: SupportResponseOptions
+) -> tuple[Floats, Floats, ConicSolution, float]:
+    """Scaled forces and motion under the loads of ``statics`` and a motion of the supports.
 
     Parameters
     ----------
@@ -479,12 +451,19 @@ def solve_response(
     imposed : (k, 3)
         Displacement of b against a at each corner that the supports impose, local n, u, v, by the
         unit of displacement.
-    compliance
-        Overlap of a corner of mean area under the mean load, by the unit of displacement.
-    step_limit
+    chosen
+
+    Returns
+    -------
+    force : (k, 3)
+    motion : (n, 6) of the free blocks
+    raw
+        Its iterations are those of the fixed point.
+    defect
+        Largest excess of friction over ``mu fn`` or change of the bound, by the mean load.
     """
     k = statics.corner_count
-    softness = compliance / np.maximum(statics.tributary, LEAST_AREA)
+    softness = chosen.compliance / np.maximum(statics.tributary, LEAST_AREA)
     diagonal = np.stack([softness, softness / TANGENTIAL, softness / TANGENTIAL], axis=1)
     costs = {"linear": imposed.ravel(), "quadratic": diagonal.ravel()}
     program = _program(statics, np.zeros(k), costs)
@@ -493,7 +472,7 @@ def solve_response(
     right = program.right.copy()
     bound = _associative(statics, costs)
     relaxation, last, defect = 1.0, float("inf"), float("inf")
-    for step in range(1, step_limit + 1):  # noqa: B007 - counted
+    for step in range(1, chosen.step_limit + 1):  # noqa: B007 - counted
         right[bounds] = bound
         raw = replace(program, right=right).solve()
         if raw.status is not ConicStatus.SOLVED:
@@ -506,7 +485,7 @@ def solve_response(
         last = defect
         bound = bound + relaxation * (target - bound)
     motion = raw.z[program.rows["equilibrium"]].reshape(-1, 6)
-    return ResponseSolution(raw.x.reshape(k, 3), motion, step, defect, raw)
+    return raw.x.reshape(k, 3), motion, replace(raw, iterations=step), defect
 
 
 def _program(statics: Statics, coupling: Floats, costs: Mapping[str, Any]) -> ConicProgram:
