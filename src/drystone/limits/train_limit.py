@@ -140,6 +140,7 @@ class TrainEnvelope(Answer):
         x = one.at.place - 0.5 * train.length + np.array(train.places)
         low, high = tops.ends
         depth = tops.depth(x)
+        effective, wide = tops.effective(x, train.contact, train.across)
         columns = {
             "axle": np.arange(1, len(x) + 1),
             "x": x,
@@ -147,10 +148,11 @@ class TrainEnvelope(Answer):
             "load": np.array(train.loads),
             "fill_below": depth,
             "spread_along": train.contact + 2.0 * self.fill.spread * depth,
-            "borne": tops.borne(x, train.contact, train.across),
+            "effective_width": effective,
+            "borne": wide / effective,
             "on_the_bridge": (x >= low) & (x <= high),
         }
-        units = dict.fromkeys(("x", "road", "fill_below", "spread_along"), "m")
+        units = dict.fromkeys(("x", "road", "fill_below", "spread_along", "effective_width"), "m")
         where = "the worst place" if place is None else one.at.words
         return Table(
             f"axles at {where}, at factor 1", columns, {**units, "load": "N", "borne": "1"}
@@ -283,24 +285,26 @@ class TrainEnvelope(Answer):
     def _of_width(self) -> Sentence:
         """For what width the answer is, and what of the train that bears."""
         tops, axles = self._crossing.tops, self.axles()
-        shares = axles["borne"][axles["on_the_bridge"]]
-        told = f"{100.0 * shares.max(initial=0.0):.3g} % of an axle at the worst place"
-        if (shares >= 1.0).all():
-            told = "the whole of each axle"
-        elif np.ptp(shares) > 1e-3:
-            told = f"{100.0 * shares.min():.3g} to {told}"
+        on = axles["on_the_bridge"]
+        shares, effective = axles["borne"][on], axles["effective_width"][on]
         line = ""
         if len(self.line):
             line = f", and {100.0 * self._line_borne:.3g} % of the line load"
-        wide = f"the answer is for all of the model, {tops.breadth:.3g} m wide"
-        if (shares >= 1.0).all():
-            return Sentence(f"{wide}: it bears {told}{line}", Role.REMARK)
-        share = f"it bears, by its width over that to which loads spread, {told}{line}"
-        strip = (
-            "as a strip of a wider bridge: if this is the whole width, nothing spreads beyond it, "
-            "and a train of your own is to have no 'across' and 'lane'"
+        wide = f"the answer is for all of the model, {tops.bridge.breadth:.3g} m wide"
+        if (np.abs(shares - 1.0) <= SAME).all():
+            return Sentence(f"{wide}: it bears the whole of each axle{line}", Role.REMARK)
+        told = f"{_range(100.0 * shares)} % of an axle at the worst place{line}"
+        by = f"by its width over the effective one of {_range(effective)} m, to which axles spread"
+        how = (
+            "as if trains stood side by side: one counts on no more than its effective width, and "
+            "lighter ones beside it, as on lanes 2 and 3, are not added where they overlap it"
         )
-        return Sentence(f"{wide}: {share}, {strip}", Role.REMARK)
+        if shares.min() < 1.0:
+            how = (
+                "as a strip of a wider bridge: if this is the whole width, nothing spreads beyond "
+                "it, and a train of your own is to have no 'across' and 'lane'"
+            )
+        return Sentence(f"{wide}: it bears, {by}, {told}, {how}", Role.REMARK)
 
     @property
     def _of_place(self) -> Sentence:
@@ -331,7 +335,7 @@ class TrainEnvelope(Answer):
             rows.append((f"line load, {line} on {long:.4g} m", load, share, share * load))
         fixed, rest = self.model.assembly.fixed, (np.nan, np.nan)
         rows += [
-            ("sum; what spreads beyond the bridge is lost", *rest, sum(row[3] for row in rows)),
+            ("sum of what the model bears", *rest, sum(row[3] for row in rows)),
             ("found on free blocks", *rest, float(down[~fixed].sum())),
             ("found on supports and ground", *rest, float(down[fixed].sum())),
         ]
@@ -545,6 +549,12 @@ def _placed(
             least = _least(found)
             found += pool.answers(crossing, _lower(crossing, found, fine), clock.late)
     return sorted(found, key=lambda one: one.at.place)
+
+
+def _range(values: Floats) -> str:
+    """The least and the largest, or the one."""
+    low, high = (f"{each:.3g}" for each in (values.min(), values.max()))
+    return high if low == high else f"{low} to {high}"
 
 
 def _least(found: Sequence[PlacedTrain]) -> float:

@@ -558,13 +558,43 @@ class Tops:
     def _pieces(self) -> dict[tuple[float, ...], Floats]:
         return {}
 
-    def borne(self, x: Floats, contact: Floats | float, across: float) -> Floats:
-        """The shares (p,) of forces on pieces of the road (p,) [m] that spread on the bridge."""
+    @cached_property
+    def bridge(self) -> Tops:
+        """With the tops beside ``between``."""
+        if self.fill.between is None:
+            return self
+        return self._along(self.assembly, replace(self.fill, between=None), self.strips.axes)
+
+    @cached_property
+    def whole(self) -> bool:
+        """Whether fill is held or ends at its sides; else it may be a strip of a wider bridge."""
+        return self.fill.between is not None or self._held > 0.0
+
+    def _reach(self, x: Floats, contact: Floats | float) -> Floats:
+        """(p,) [m], to each side along the road, to which forces spread."""
+        return np.maximum(0.5 * contact + self.fill.spread * self.depth(x), 1e-6 * self.breadth)
+
+    def effective(self, x: Floats, contact: Floats | float, across: float) -> tuple[Floats, Floats]:
+        """Widths (p,) [m] on which forces on the road count, and those of the bridge there.
+
+        To the width on which it acts that to which it spreads is added at both sides: no ring
+        beside it helps, as in CS 454, where a wheel has a strip of 1.5 m and the depth of fill.
+        It is not more than that of a bridge, if that is ``whole``.
+        """
+        reach = self._reach(x, contact)
+        wide = self.bridge._wide(x - reach, x + reach)
         if across == 0.0:
-            return np.ones(len(x))
-        deep = self.fill.spread * self.depth(x)
-        reach = 0.5 * contact + deep
-        return np.minimum(self._wide(x - reach, x + reach) / (across + 2.0 * deep), 1.0)
+            return wide, wide
+        spread = across + 2.0 * self.fill.spread * self.depth(x)
+        return np.minimum(spread, wide) if self.whole else spread, wide
+
+    def borne(self, x: Floats, contact: Floats | float, across: float) -> Floats:
+        """The shares (p,) of forces on the road that act: width by effective width.
+
+        Above one on a model that is wider: as if such forces stood side by side.
+        """
+        effective, wide = self.effective(x, contact, across)
+        return np.asarray(wide / effective)
 
     def spread(
         self, force: Floats | float, x: Floats, contact: Floats | float, across: float
@@ -579,11 +609,10 @@ class Tops:
         contact : (p,) [m]
             Length along the road on which it acts.
         across : [m]
-            Width on which it acts; the whole one where it is zero. A bridge that is narrower there
-            than the width through which it spreads bears its share.
+            Width on which it acts; the whole one where it is zero. Else it is ``borne``, evenly.
         """
         depth, contact = self.depth(x), np.broadcast_to(contact, len(x))
-        reach = np.maximum(0.5 * contact + self.fill.spread * depth, 1e-6 * self.breadth)
+        reach = self._reach(x, contact)
         force = force * self.borne(x, contact, across)
         even = 0.5 * force / (reach * self._wide(x - reach, x + reach))
         part, one = self._carriageway.within(x - reach, x + reach)

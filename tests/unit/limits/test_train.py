@@ -3,6 +3,7 @@
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -210,6 +211,38 @@ def test_the_train_is_summed_by_hand(bridge: Model) -> None:
     assert whole["vertical"] == pytest.approx([1e5, 1e5, 1e5, 0.0])
 
 
+@pytest.mark.parametrize("between", [None, (3.3, 6.7)])
+@pytest.mark.parametrize("law", ["even", "boussinesq"])
+def test_an_axle_counts_on_its_effective_width_however_wide_the_bridge_is(
+    between: tuple[float, float] | None, law: Literal["even", "boussinesq"]
+) -> None:
+    """A ring 10 m wide bore an axle whole, three times what its strip of 1 m bears.
+
+    At the crown, with 0.4 m of fill: 2.4 m + 2 * 0.5 * 0.4 m = 2.8 m.
+    """
+    fill = Fill(0.4, 19e3, law=law)
+    narrow, wide = (segmental_bridge(8.0, 2.0, 0.5, 13, width=w) for w in (1.0, 10.0))
+    strip, tops = Tops.of(narrow, fill), Tops.of(wide, replace(fill, between=between))
+    effective, breadth = tops.effective(np.array([4.0]), 0.4, 2.4)
+    assert (*effective, *breadth) == pytest.approx((2.8, 10.0), rel=3e-3)
+    one, ten = (each.spread(1e3, np.array([2.0]), 0.4, 2.4)[0] for each in (strip, tops))
+    assert ten[:, :3] == pytest.approx(10.0 * one[:, :3])
+    assert ten[:, 4] == pytest.approx(10.0 * one[:, 4])
+
+
+def test_nothing_spreads_beyond_the_parapets_of_a_bridge() -> None:
+    """3 m between faces: an axle of 2.4 m counts on 2.8 m at the crown, and on all 3 m below."""
+    ring = segmental_bridge(8.0, 2.0, 0.5, 13, width=3.0)
+    walls = [box((8.0, 0.3, 2.9), (0.0, y, 0.0), f"y={y}") for y in (0.0, 2.7)]
+    for between in ((0.3, 2.7), None):  # is held by walls, or said to end
+        blocks = ring.blocks if between else (*ring.blocks, *walls)
+        assembly = Assembly(blocks, [*ring.fixed.tolist(), *[False] * (len(blocks) - len(ring))])
+        tops = Tops.of(assembly, Fill(0.4, 19e3, between=between))
+        assert tops.whole
+        assert np.ravel(tops.effective(np.array([1.0]), 0.4, 2.4)) == pytest.approx((3.0, 3.0))
+    assert not Tops.of(ring, Fill(0.4, 19e3)).whole
+
+
 @pytest.mark.parametrize("name", ["axle", "lm71"])
 def test_few_places_and_many_find_the_same_worst_one(bridge: Model, name: str) -> None:
     quick = LimitOptions(equilibrium_only=True)
@@ -275,7 +308,7 @@ def test_the_answer_names_the_fill_the_axles_and_what_the_standard_adds(bridge: 
     assert "without a dynamic factor" in told
     (width,) = [one for one in found.sentences() if one.text.startswith("the answer is for all")]
     assert width.role is Role.REMARK
-    assert "model, 1 m wide: it bears, by its width over that to which" in width.text
+    assert "model, 1 m wide: it bears, by its width over the effective one of" in width.text
     assert " of the line load, as a strip of a wider bridge: if this is the whole" in width.text
     assert "x of the middle of the train; the bridge lies from -0.36 to 6.36 m" in told
     assert "a wheel alone may be worse" in told
