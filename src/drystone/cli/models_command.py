@@ -202,6 +202,8 @@ def reproduce(
     told = [Sentence(agreement(found), Role.BAD if wrong else Role.GOOD)]
     told += [one for case in found for one in case.sentences()[1:]]
     numbers = {"sections": [case.numbers() for case in found]}
-    answer = Statement((*told, *left), tuple(case.table() for case in found), numbers)
+    answer = Statement(
+        (*told, *left), tuple(one for case in found for one in case.tables()), numbers
+    )
     asked = "all sections" if section == "all" else f"section {section}"
     return Told(answer, subject=asked, written=written, everything=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import cached_property
@@ -113,25 +114,25 @@ class Case(Answer):
         return f"section {self.section}: {self.name}"
 
     def sentences(self) -> Sequence[Sentence]:
-        """How many of its figures agree, and why the others are not compared."""
-        alone = [
-            Sentence(f"not compared: {line.what}: {line.note or _ALONE}", Role.REMARK)
-            for line in self.lines
-            if line.agrees is None
-        ]
-        return [Sentence(agreement([self]), Role.GOOD if self.agrees else Role.BAD), *alone]
+        """How many of its figures agree, why others are not compared, and what is to be said."""
+        notes: dict[str, list[str]] = {}
+        for line in self.lines:
+            if line.agrees is None or line.note:
+                head = "not compared: " if line.agrees is None else ""
+                notes.setdefault(line.note or _ALONE, []).append(head + line.what)
+        said = [Sentence(f"{'; '.join(of)}: {note}", Role.REMARK) for note, of in notes.items()]
+        return [Sentence(agreement([self]), Role.GOOD if self.agrees else Role.BAD), *said]
 
     def tables(self) -> Sequence[Table]:
-        """The lines as a table."""
-        agrees = {True: "yes", False: "no", None: "not compared"}
-        columns = {
-            "claim": [line.what for line in self.lines],
-            "published": [line.published for line in self.lines],
-            "found": [line.found for line in self.lines],
-            "agrees": [agrees[line.agrees] for line in self.lines],
-            "note": [line.note for line in self.lines],
+        """The lines as a table, and one of those that have a figure by each method."""
+        split = {line: by for line in self.lines if (by := _by_method(line))}
+        plain = {
+            line: {"published": line.published, "found": line.found}
+            for line in self.lines
+            if line not in split
         }
-        return [Table(self.title, columns)]
+        made = _table(self.title, plain), _table(f"{self.title}, tilts [degrees]", split)
+        return [one for one in made if len(one)]
 
     def layers(self) -> Scene:
         """The first picture."""
@@ -145,6 +146,27 @@ class Case(Answer):
             "agrees": self.agrees,
             "lines": [line.to_dict() for line in self.lines],
         }
+
+
+_METHOD = re.compile(r"(.+?) \((\w+)\)(?:, |$)")
+
+
+def _by_method(line: Line) -> dict[str, str]:
+    """What was published and found by each method; empty where a text has another form."""
+    published, found = line.published, line.found
+    if not published or _METHOD.sub("", published + found):
+        return {}
+    here = found.removeprefix("stands to ").replace(", falls from ", " to ")
+    both = {name: value for value, name in _METHOD.findall(published)}
+    return both | {f"{name}_here": value for value, name in _METHOD.findall(here)}
+
+
+def _table(title: str, each: Mapping[Line, Mapping[str, str]]) -> Table:
+    names = dict.fromkeys(name for by in each.values() for name in by)
+    agrees = {True: "yes", False: "no", None: "not compared"}
+    columns = {name: [by.get(name, "") for by in each.values()] for name in names}
+    claim = [line.what.removesuffix(": tilt") for line in each]
+    return Table(title, {"claim": claim, **columns, "agrees": [agrees[x.agrees] for x in each]})
 
 
 def agreement(cases: Sequence[Case]) -> str:

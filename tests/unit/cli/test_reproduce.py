@@ -30,6 +30,19 @@ def test_a_section_without_published_figures_is_not_said_to_agree(capsys, monkey
     assert "note: not compared: tilt: the shape is ours" in out
 
 
+def test_figures_by_method_have_a_column_each_in_80_columns(capsys, monkeypatch):
+    found = "stands to 40.8, falls from 58.1 (check), 180.0 (RBE)"
+    tilt = "type-b about x, friction 0.84: tilt"
+    line = Line(tilt, "58.7 (3DEC), 58.5 (CRA), 180 (RBE)", found, False, "the ends decide")
+    monkeypatch.setitem(SECTIONS, "5.1.1", lambda: Case("5.1.1", "wedges", (line,), {}))
+    monkeypatch.setenv("COLUMNS", "80")
+    assert main(["reproduce", "5.1.1"]) == 1
+    out = capsys.readouterr().out
+    row = " ".join(out.splitlines()[-2].split())
+    assert row == "type-b about x, friction 0.84 58.7 58.5 180 40.8 to 58.1 180.0 no"
+    assert f"note: {tilt}: the ends decide" in out
+
+
 def test_the_sections_are_listed(capsys):
     assert main(["reproduce"]) == 0
     out = capsys.readouterr().out
