@@ -121,7 +121,7 @@ def _along_faces(contacts: Contacts, vectors: Floats, which: Ints) -> Floats:
     return np.einsum("mij,mj->mi", contacts.frame[which, 1:], vectors[which])
 
 
-MUCH, TWISTED, LEVER = 0.97, 0.01, 0.75
+MUCH, TURNED, LEVER = 0.97, 0.01, 0.75
 """Use of a face, and the part of it that is torsion, from which on it has points. What uses less
 carries its force and torque as it is. Measured on 148 models that stand and have joints that turn:
 spread points do not hold two lunes, used to 1.00. From a part of 0.03 one would be missed. From a
@@ -161,7 +161,7 @@ def spread_where_turned(
     across = turn * away[:, ::-1]
     together = contacts.corners.max(lengths(force[joint] + across))
     sliding = np.where(turns, sliding_use(contacts, resultants), 0.0)
-    least = np.maximum(MUCH, sliding + TWISTED)
+    least = np.maximum(MUCH, sliding + TURNED)
     lever = np.einsum("mij,mj->mi", made.inverse, centre - made.centroid)
     opened = contacts.corners.min(dot(corners - made.centroid[joint], lever[joint])) < -1.0
     edge = corners[contacts.corners.following] - corners
