@@ -220,7 +220,18 @@ def study_chart(table: Table, across: str = "", by: str = "", up: str = "") -> C
         marks += _fallen(table, x, y)
     units = table.units.get(across, ""), table.units.get(up, "")
     words = _axis(table, across), _axis(table, up)
-    return Chart(table.title, tuple(marks), *words, units, study_fixed(table))
+    told = "; ".join(filter(None, (study_fixed(table), _beyond(table, up))))
+    return Chart(table.title, tuple(marks), *words, units, told)
+
+
+def _beyond(table: Table, up: str) -> str:
+    """How far from the points of a chart of what stands it falls: too little to be drawn."""
+    if up != "stands" or "falls" not in table.columns:
+        return ""
+    gaps = np.abs(table["falls"] - table["stands"])
+    most = rounded_up(float(gaps[np.isfinite(gaps)].max(initial=0.0)), 2)
+    told = f"{most:.2g} {table.units.get(up, '')}".rstrip()
+    return f"it stands at each point, and falls at most {told} beyond" if most else ""
 
 
 def study_map(table: Table, across: str = "", by: str = "", value: str = "") -> HeatMap:

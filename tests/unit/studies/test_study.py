@@ -208,7 +208,8 @@ def test_axes_have_words_and_units_and_what_is_fixed_is_said(tmp_path: Path) -> 
     chart = study_chart(found)
     assert (chart.across, chart.up) == ("radius", "stands down to friction")
     assert chart.units == ("m", "")
-    assert chart.caption == "thickness ratio 0.2, voussoirs 11"
+    gap = "it stands at each point, and falls at most 0.00055 beyond"
+    assert chart.caption == f"thickness ratio 0.2, voussoirs 11; {gap}"
     assert study_chart(found, up="falls").up == "falls at friction"
     found.to_csv(tmp_path / "found.csv")
     cells = (tmp_path / "found.csv").read_text("utf-8").splitlines()[1].split(",")
