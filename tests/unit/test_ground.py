@@ -450,7 +450,7 @@ def test_earth_presses_as_rankine_says_to_the_third_of_its_height() -> None:
 def test_what_earth_presses_with_stands_in_the_name_of_a_load() -> None:
     earth = Earth.named("side=-x,weight=18kN/m3,k=active:30deg,wall_friction=20deg")
     told = "earth of 18 kN/m3 on side -x with K 0.333"
-    assert earth.on(tower(2)).name == f"{told} and wall friction 0.364"
+    assert earth.on(tower(2)).name == f"{told} and wall friction 0.364, at most its own"
     wet = Earth.named("side=-x,weight=18kN/m3,k=active:30deg,surcharge=5kPa,water=0.5m")
     assert wet.on(tower(2)).name == f"{told} and surcharge 5 kPa and water to 0.5 m"
     fill = Fill.named("cover=0.3m,weight=20kN/m3,k=rest:30deg")
@@ -595,6 +595,10 @@ def test_pressures_on_the_same_faces_are_added_in_their_picture() -> None:
         ("earth:side=-x,weight=18kN/m3,k=active:30", "'30' is no angle; write active:30deg"),
         ("earth:side=-x,weight=18kN/m3,k=30deg", "'30deg' is an angle; write active:30deg"),
         ("earth:side=-x,weight=18kN/m3,k=0.3,wall_friction=active:30deg", "is not a number"),
+        (
+            "earth:side=-x,weight=18kN/m3,wall_friction=50deg,k=active:30deg",
+            "of 50 degrees is more than that of the earth, 30; give no more than 30deg",
+        ),
         ("fill:cover=0.1m,weight=20kN/m3,passive=passive:30", "'30' is no angle"),
     ],
 )

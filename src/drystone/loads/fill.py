@@ -671,7 +671,7 @@ class Earth(Options):
     water : [m]
         Level of the water in it; none when left out.
     wall_friction : coefficient >= 0
-        Of the wall: the earth drags it down by this share of its pressure.
+        Of the wall: the earth drags it down by this share of its pressure. No more than its own.
     blocks
         On which it presses, names and patterns with ``+`` between them; all that are seen when left
         out.
@@ -707,19 +707,34 @@ class Earth(Options):
         Raises
         ------
         InputError
-            It cannot be read, or one of the first three is missing.
+            It cannot be read, one of the first three is missing, or the wall is said to be rougher
+            than the earth: that slides on itself first.
         """
+        soil: list[float] = []
+
+        def ratio(text: str) -> float:
+            size, angle = pressure_ratio(text), text.partition(":")[2]
+            soil.extend([units.coefficient(angle)] if angle else [])
+            return size
+
         known: Mapping[str, Reader] = {
             "side": str,
             "weight": weight,
-            "k": pressure_ratio,
+            "k": ratio,
             "top": length,
             "surcharge": pressure,
             "water": length,
             "wall_friction": units.coefficient,
             "blocks": str,
         }
-        return cls(**read_words(text, "earth", known, "side=-x,weight=18kN/m3,k=0.33"))
+        made = cls(**read_words(text, "earth", known, "side=-x,weight=18kN/m3,k=0.33"))
+        if soil and made.wall_friction > (1.0 + SAME) * soil[0]:
+            wall, own = (f"{math.degrees(math.atan(x)):.3g}" for x in (made.wall_friction, soil[0]))
+            raise InputError(
+                f"wall friction of {wall} degrees is more than that of the earth, {own}",
+                where="earth", remedy=f"give no more than {own}deg",
+            )  # fmt: skip
+        return made
 
     def on(self, assembly: Assembly) -> LoadCase:
         """Its pressure on the free blocks."""
@@ -756,7 +771,7 @@ class Earth(Options):
         kind = f"earth of {quantity(self.weight, 'N')}/m3 on side {self.side} with K {self.k:.3g}"
         more = {
             f" on {self.blocks}": self.blocks,
-            f" and wall friction {self.wall_friction:.3g}": self.wall_friction,
+            f" and wall friction {self.wall_friction:.3g}, at most its own": self.wall_friction,
             f" and surcharge {quantity(self.surcharge, 'Pa')}": self.surcharge,
             f" and water to {self.water} m": self.water is not None,
         }

@@ -16,6 +16,7 @@ from drystone.base.errors import meant
 from drystone.base.files import PathLike, as_path, read_bytes
 from drystone.io.jsontext import Field, parse_toml
 from drystone.io.opening import kept_of
+from drystone.joint_capacity import NO_LIMIT
 from drystone.loads import LoadCase
 from drystone.loads.case import STANDARD_GRAVITY
 from drystone.loads.earthquake import with_shaken_weights
@@ -23,6 +24,7 @@ from drystone.loads.load_words import chosen_case
 from drystone.model import Model
 
 _KINDS = ("permanent", "variable", "accidental", "seismic")
+_DIVIDED = "friction", "strength", "tie"
 _MOST = 1000
 """Combinations of a file. Chosen: a quarter of an hour of small models."""
 
@@ -99,8 +101,8 @@ class Situation(OneLine):
         its combination factor, -1 for none.
     event
         The kind of action without which it is none: ``accidental`` or ``seismic``.
-    friction, strength
-        By which the friction of joints and what else they carry are divided.
+    friction, strength, tie
+        By which the friction of joints, what else they carry, and the strength of ties are divided.
     by_parts
         Whether its permanent factors are those of parts of one action as well, what of it holds and
         what overturns: cases of their own here.
@@ -114,6 +116,7 @@ class Situation(OneLine):
     event: str = ""
     friction: float = 1.0
     strength: float = 1.0
+    tie: float = 1.0
     by_parts: bool = False
 
 
@@ -157,9 +160,10 @@ class Combination(OneLine):
         return lasting, others
 
     def of(self, model: Model) -> Model:
-        """The model under this combination, its friction and strength divided.
+        """The model under this combination, its friction and strengths divided.
 
-        Fill that weighs less resists less in proportion; that it resists more is not counted.
+        What fill resists is divided like joints. Fill that weighs less resists less in proportion;
+        that it resists more is not counted.
         """
         by = self.situation
         mine, whole = (sum(one.weight for one in load.fills) for load in (self.load, model.load))
@@ -169,9 +173,11 @@ class Combination(OneLine):
         capacity = model.contacts.capacity
         if capacity is None:
             return model
-        capacity = capacity.scaled(1.0 / by.strength)
-        less = np.where(model.contacts.of_fill, mine / whole if mine < whole else 1.0, 1.0)
-        return model.with_capacity(replace(capacity, compression=less * capacity.compression))
+        fill, whole_of = model.contacts.of_fill, capacity.compression
+        share = np.where(fill, mine / whole if mine < whole else 1.0, 1.0) / by.strength
+        share = np.where(model.contacts.ties & ~fill, 1.0 / by.tie, share)
+        left = np.where(whole_of < NO_LIMIT, share * whole_of, NO_LIMIT)
+        return model.with_capacity(replace(capacity.scaled(1.0 / by.strength), compression=left))
 
 
 def read_combinations(path: PathLike, model: Model) -> list[Combination]:
@@ -181,14 +187,15 @@ def read_combinations(path: PathLike, model: Model) -> list[Combination]:
     ----------
     path
         ``standard`` (``en1990``) or tables ``[[situation]]`` as in it, ``situations`` (names; all
-        that apply when left out), ``[material]`` with ``friction`` and ``strength``: numbers by
-        which they are divided, or a class of EN 1996 such as ``A2``. A table ``[case.NAME]`` for
-        each action: ``kind``; ``load``: ``gravity`` (9.81 along -z), ``model`` (the whole load of
-        the model, with ``gravity``, ``load`` and ``seismic`` of reading), a case of its file (that
-        of the same name when left out), ``seismic:KX,KY``, ``BLOCK:WHAT``, or a list of these;
-        ``shaken``: its downward forces are weights of masses, which earthquakes shake as they do
-        fill and masses in kg; ``blocks``, to which gravity is restricted; ``psi`` or ``category``
-        of variable actions; ``factors``: unfavourable and favourable; ``group``; ``reversible``.
+        that apply when left out), ``[material]`` with ``friction``, ``strength`` (of joints) and
+        ``tie``: numbers by which they are divided, 1 when left out, or a class of EN 1996 such as
+        ``A2``. A table ``[case.NAME]`` for each action: ``kind``; ``load``: ``gravity`` (9.81 along
+        -z), ``model`` (the whole load of the model, with ``gravity``, ``load`` and ``seismic`` of
+        reading), a case of its file (that of the same name when left out), ``seismic:KX,KY``,
+        ``BLOCK:WHAT``, or a list of these; ``shaken``: its downward forces are weights of masses,
+        which earthquakes shake as they do fill and masses in kg; ``blocks``, to which gravity is
+        restricted; ``psi`` or ``category`` of variable actions; ``factors``: unfavourable and
+        favourable; ``group``; ``reversible``.
     model
 
     Raises
@@ -339,7 +346,7 @@ def _gamma(one: Field) -> float:
 def _situations(top: Field, standard: Field) -> list[Situation]:
     """The situations of a file, or of a standard, that are asked for."""
     divided = top.get("material", {})
-    divided.only(("friction", "strength"))
+    divided.only(_DIVIDED)
     material = {name: _gamma(one) for name, one in divided.items()}
     given = (top if top.has("situation") else standard)["situation"]
     every = [_situation(one, material) for one in given.elements()]
@@ -355,15 +362,12 @@ def _situations(top: Field, standard: Field) -> list[Situation]:
 
 
 def _situation(one: Field, material: Mapping[str, float]) -> Situation:
-    factors = "permanent", "leading", "others", "friction", "strength"
+    factors = "permanent", "leading", "others", *_DIVIDED
     one.only(("name", "source", "event", *factors, "by_parts"))
     event = one.get("event", "")
     if event.text() not in ("", *_KINDS[2:]):
         raise event.error(f"is '{event.text()}'", "give accidental or seismic")
-    friction, strength = (
-        _gamma(one[name]) if one.has(name) else material.get(name, 1.0)
-        for name in ("friction", "strength")
-    )
+    divided = {name: _gamma(one[name]) for name in _DIVIDED if one.has(name)}
     return Situation(
         one["name"].text(),
         one.get("source", "").text(),
@@ -371,9 +375,8 @@ def _situation(one: Field, material: Mapping[str, float]) -> Situation:
         _variable_pair(one["leading"]),
         _variable_pair(one["others"]),
         event.text(),
-        friction,
-        strength,
-        one.get("by_parts", False).boolean(),
+        by_parts=one.get("by_parts", False).boolean(),
+        **{**material, **divided},
     )
 
 

@@ -133,6 +133,7 @@ class Combinations(Answer):
             )
         by = one.situation
         divided = f"friction is divided by {by.friction:g}, strength of joints by {by.strength:g}"
+        divided += f", of ties by {by.tie:g}" if self.model.contacts.ties.any() else ""
         said.append(Sentence(divided))
         said += [Sentence(one, Role.REMARK) for one in self._not_apart]
         shaken = [Shaken.of(self.governing.assembly, one.load) for one in self.each]
@@ -290,12 +291,12 @@ def _situations(each: Sequence[Combination]) -> Table:
         (
             by.name, _listed(dict.fromkeys(by.permanent), " or "), _psi_words(by.leading),
             _psi_words(by.others), f"1 {by.event}" if by.event else "", by.friction, by.strength,
-            by.source,
+            by.tie, by.source,
         )
         for by in dict.fromkeys(one.situation for one in each)
     ]  # fmt: skip
     names = ("situation", "permanent", "leading", "others", "event", "friction_by", "strength_by",
-             "source")  # fmt: skip
+             "tie_by", "source")  # fmt: skip
     return Table("situations", dict(zip(names, zip(*rows, strict=True), strict=True)))
 
 

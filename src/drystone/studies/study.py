@@ -53,7 +53,13 @@ class _Task(OneLine):
     def model(self) -> Model:
         """The model of the row."""
         own = {name: value for name, value in self.inputs.items() if name not in _READING}
-        given = self.build(**own) if callable(self.build) else self.build
+        try:
+            given = self.build(**own) if callable(self.build) else self.build
+        except (ValueError, ArithmeticError) as error:
+            if isinstance(error, DrystoneError):
+                raise
+            what = f"{type(error).__name__}: {error}"
+            raise InputError(what, where="its function", remedy="leave the value out") from error
         reading = {name: value for name, value in self.inputs.items() if name in _READING}
         return supported_model(given, **{**self.how, **reading})
 

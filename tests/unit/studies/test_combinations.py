@@ -16,6 +16,7 @@ from drystone.report import write_report
 from drystone.report.document import TitleBlock
 from drystone.report.report_sections import document_of
 from drystone.studies import combinations, read_combinations
+from drystone.ties import with_tie_words
 
 WEIGHT = """
 [case.weight]
@@ -95,6 +96,17 @@ def test_friction_and_strength_are_divided(tmp_path: Path) -> None:
     assert one.contacts.capacity.tension.tolist() == pytest.approx([1000.0])
     assert one.contacts.capacity.law == "ductile"
     assert one.contacts.friction.tolist() == pytest.approx([1.6])
+
+
+def test_ties_are_divided_by_a_factor_of_their_own(tmp_path: Path) -> None:
+    """That of joints made 9 kN of it 3 kN, and the tie that a wall needs three times as large."""
+    held = with_tie_words(STACK, ["block-0:block-1:9kN"])
+    for material, pull in (("strength = 3.0", 9e3), ("strength = 3.0\ntie = 1.25", 7.2e3)):
+        path = written(tmp_path, f'situations = ["EQU"]\n[material]\n{material}', WEIGHT)
+        found = combinations(held, path, needed_of="none")
+        assert found.governing.contacts.tie_strength.min() == pytest.approx(pull)
+    assert "strength of joints by 3, of ties by 1.25" in str([x.text for x in found.sentences()])
+    assert found.tables()[1]["tie_by"].tolist() == [1.25]
 
 
 def test_what_is_needed_is_told_of_the_size_of_joints_and_of_their_friction(tmp_path: Path) -> None:

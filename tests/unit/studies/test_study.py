@@ -31,6 +31,8 @@ def pier(width: float, height: float = 2.0) -> drystone.Assembly:
 def refusing(width: float) -> drystone.Assembly:
     if width > 0.6:
         raise InputError("is too wide", where="width")
+    if width > 0.5:
+        raise ValueError("of no family")
     return pier(width)
 
 
@@ -67,10 +69,11 @@ def test_a_limit_of_strength_takes_the_strength_of_all_rows() -> None:
 
 
 def test_rows_are_checked_and_what_is_refused_has_its_reason() -> None:
-    found = study(refusing, [{"width": 0.5}, {"width": 0.9}, {"width": 0.2}], seismic=(0.2, 0.0))
-    assert found["verdict"].tolist() == ["stable", "refused", "unstable"]
+    found = study(refusing, {"width": [0.5, 0.9, 0.6, 0.2]}, seismic=(0.2, 0.0))
+    assert found["verdict"].tolist() == ["stable", "refused", "refused", "unstable"]
     assert "is too wide" in found["message"][1]
-    assert found["mechanism"].tolist() == ["", "", "pier"]
+    assert "its function: ValueError: of no family" in found["message"][2]
+    assert found["mechanism"].tolist() == ["", "", "", "pier"]
     margin = study(pier, {"width": [0.5]})["tilt_margin"]
     assert margin == pytest.approx(math.degrees(math.atan(0.25)), abs=0.01)
 
