@@ -213,8 +213,8 @@ def _props(model: Model, layers: Sequence[Layer], added: Bools) -> list[Layer]:
         if one.key == "reactions" and one.vector is not None and one.interface is not None:
             ends = np.stack([contacts.block_a[one.interface], contacts.block_b[one.interface]])
             own = added[ends].any(axis=0)
-            size = np.where(added[ends], 0.0, model.assembly.size[ends]).max(axis=0)
-            made += posts(one.position[own], one.vector[own], size[own])
+            other = np.where(added[ends[0]], ends[1], ends[0])[own]
+            made += posts(model.assembly, other, one.position[own], one.vector[own])
     return made
 
 

@@ -332,8 +332,9 @@ class Diagnosis(Answer):
         return replace(self.result.layers(), stages=(stage,))
 
     def _posts(self) -> list[Layer]:
-        blocks = [one.block for region in self.regions for one in region.needs.props.props]
-        return posts(*self.props, self.model.assembly.size[blocks], " that would hold it")
+        props = [one.block for region in self.regions for one in region.needs.props.props]
+        blocks = np.array(props, dtype=np.intp)
+        return posts(self.model.assembly, blocks, *self.props, " that would hold it")
 
     def numbers(self) -> Mapping[str, Any]:
         """Of each region: its joints, and what would hold it."""

@@ -122,6 +122,11 @@ def _left(result: Result, case: str) -> str:
     return f"{case}, {said}" if case else said
 
 
+_BUILT = (
+    "each was checked when it is complete; whether it can be built block by block was not tried: "
+    "--apply 1 --out mended.json, then drystone plan mended.json"
+)
+
 _DRAWN = 5_000
 """Blocks of all mends on a page, which is then 5 MB. Chosen; further mends are listed only."""
 
@@ -225,7 +230,8 @@ class Mends(Answer):
         failed += [Sentence(text, Role.REMARK) for text in near]
         mends = [Sentence(text) for text in self._listed()]
         reasons = [one for one in reasons if one.text not in (self.message, NOTHING)]
-        said = [verdict, Sentence(self.message), *mends, *failed, *reasons]
+        built = [Sentence(_BUILT, Role.REMARK)] if self.mends else []
+        said = [verdict, Sentence(self.message), *mends, *built, *failed, *reasons]
         return [one for one in said if one.text]
 
     def _listed(self) -> list[str]:
@@ -270,8 +276,9 @@ class Mends(Answer):
         names = ["", *(f" (mend {i})" for i in range(1, len(few) + 1))]
         assembly, contacts, together = side_by_side(models, stages, names)
         return replace(
-            scene, assembly=assembly, contacts=contacts, stages=together, charts=(chart,)
-        )
+            scene, assembly=assembly, contacts=contacts, stages=together, charts=(chart,),
+            opens=min(len(few), 1),
+        )  # fmt: skip
 
     def figure(self) -> Scene:
         """Why it falls."""

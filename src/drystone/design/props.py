@@ -13,7 +13,7 @@ import numpy as np
 import shapely
 
 from drystone.answer import Layer, LayerKind
-from drystone.assembly import Block
+from drystone.assembly import Assembly, Block
 from drystone.base.arrays import SAME, Floats, Ints, frozen, lengths
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
@@ -28,7 +28,7 @@ from drystone.geometry.glue import cut_cell
 from drystone.geometry.polygon import area_vector
 from drystone.geometry.polyhedron import prism_faces
 from drystone.model import Model
-from drystone.sequence.scaffold_seats import first_met, surface_triangles
+from drystone.sequence.scaffold_seats import first_met, post_ways, surface_triangles
 from drystone.supports import PROP
 from drystone.ties import PLATE
 
@@ -406,22 +406,26 @@ def _forces(
     return [PropForce(seat, frozen(at), frozen(force)) for seat, at, force in last]
 
 
-def posts(point: Floats, force: Floats, size: Floats, what: str = "") -> list[Layer]:
-    """Props in a picture: posts of half the size of their blocks, along their forces.
+def posts(
+    assembly: Assembly, blocks: Ints, point: Floats, force: Floats, what: str = ""
+) -> list[Layer]:
+    """Props in a picture: posts along their forces, to the ground where there is some.
 
     Parameters
     ----------
+    assembly
+    blocks : (p,)
+        That they carry.
     point : (p, 3) [m]
     force : (p, 3) [N]
         On the blocks.
-    size : (p,) [m]
     what
         Of the props, in the legend.
     """
     strength = lengths(force)
     if not strength.any():
         return []
-    way = -force * (0.5 * size / np.maximum(strength, 1e-300))[:, None]
+    way = post_ways(assembly, blocks, point, -force / np.maximum(strength, 1e-300)[:, None])
     most = "up to " if len(point) > 1 else ""
     told = f"{counted(len(point), 'prop')}{what}, {most}{quantity(strength.max(), 'N')}"
     return [Layer("help", told, LayerKind.LINES, "help", point, way, width=4.0, group="help")]

@@ -21,6 +21,7 @@ from drystone.results.stage import force_layers
 from drystone.sequence.plan_steps import PlannedSteps, Status, assigned, permanent
 from drystone.sequence.robots import Robot
 from drystone.sequence.rules import WAITS
+from drystone.sequence.scaffold_seats import post_ways
 from drystone.sequence.stages import StageAnswer, StagedModel, members
 
 _MOST_ARROWS = 200_000
@@ -185,15 +186,15 @@ def with_robots(
 
 
 def _posts(model: StagedModel) -> tuple[Layer, ...]:
-    """Props that are fixed blocks: posts of half the size of the blocks that they carry."""
+    """Props that are fixed blocks, as posts."""
     at, carried = permanent(model)
     if not len(at):
         return ()
-    contacts, assembly = model.contacts, model.assembly
-    way = np.where(contacts.block_b[at] == carried, -0.5, 0.5) * assembly.size[carried]
+    contacts, start = model.contacts, model.contacts.centroid[at]
+    way = np.where(contacts.block_b[at] == carried, -1.0, 1.0)[:, None] * contacts.frame[at, 0]
     label = f"{counted(len(at), 'prop')}, there from the beginning"
-    kind, start, along = LayerKind.LINES, contacts.centroid[at], contacts.frame[at, 0]
-    return (Layer("posts", label, kind, "help", start, way[:, None] * along, width=4.0),)
+    along = post_ways(model.assembly, carried, start, way)
+    return (Layer("posts", label, LayerKind.LINES, "help", start, along, width=4.0),)
 
 
 def _shares(plan: PlannedSteps, arms: Mapping[int, Robot]) -> list[str]:

@@ -24,6 +24,7 @@ from drystone.geometry.polyhedron import Faces, stack_faces
 from drystone.geometry.solid import crossings
 from drystone.geometry.triangulate import fan_warped, triangulate
 from drystone.model import Model
+from drystone.supports import props_of
 
 INSET = 0.6
 """Distance of heads and knots from the middle of their seat, by that of its corners; chosen, well
@@ -215,6 +216,26 @@ def first_met(
     first = int(np.argmin(np.where(hit, share, np.inf)))
     normal = _normals(triangles[first : first + 1])[0]
     return Landing(int(owner[first]), start + share[first] * (end - start), normal)
+
+
+def post_ways(assembly: Assembly, blocks: Ints, point: Floats, way: Floats) -> Floats:
+    """Posts (p, 3) [m], as drawn, from points (p, 3) [m] of blocks along unit vectors (p, 3).
+
+    They end on the support that they meet, or downwards at the level of the lowest corner of the
+    model where nothing is in between; else they have half the size of their blocks.
+    """
+    stands = ~props_of(assembly)
+    triangles, owner = surface_triangles(assembly)
+    surface = triangles[stands[owner]], owner[stands[owner]]
+    low, high = assembly.bounds[stands, 0].min(axis=0), assembly.bounds[stands, 1].max(axis=0)
+    far, long = float(np.linalg.norm(high - low)), 0.5 * assembly.size[blocks]
+    for i, (block, at, along) in enumerate(zip(blocks.tolist(), point, way, strict=True)):
+        met = first_met(surface, block, at, at + far * along)
+        if met is not None and assembly.fixed[met.block]:
+            long[i] = (met.point - at) @ along
+        elif met is None and along[2] < -np.sqrt(0.5) and at[2] - low[2] > long[i]:
+            long[i] = (low[2] - at[2]) / along[2]
+    return long[:, None] * way
 
 
 def _normals(triangles: Floats) -> Floats:

@@ -159,6 +159,8 @@ def test_the_picture_of_a_prop_has_its_force_and_the_page_its_option_unbroken() 
     assert post.vector is not None
     assert post.vector[0, 0] > 0.0  # its force is towards -x, as its sentence says
     assert "<code>--apply 1</code>" in panel(scene.charts[0])
+    assert scene.opens == 1  # the first mend is seen, and why it falls is before it
+    assert any("drystone plan mended.json" in one.text for one in found.sentences())
 
 
 def test_a_wall_opens_in_elevation_and_where_it_falls_out_of_its_plane_from_the_side() -> None:
