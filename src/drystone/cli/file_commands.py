@@ -191,7 +191,8 @@ def inspect(
             tied = with_tie_words(Model(assembly, found.contacts), ties)
             found = replace(found, contacts=tied.contacts)
             notes += tied.notes
-        if "up" not in how and supports and (said := on_its_side(Model(assembly, found.contacts))):
+        tried = Model(assembly, found.contacts)
+        if supports and (said := on_its_side(tried, source.place, how)):
             notes.append(said)
         if sweep:
             waiting.stage("sweep", "trying gaps")

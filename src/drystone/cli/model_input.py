@@ -17,6 +17,7 @@ from drystone.cli.waiting import Waiting
 if TYPE_CHECKING:
     from drystone.assembly import Assembly
     from drystone.detection import ContactReport
+    from drystone.io.several import Paths
     from drystone.loads import LoadCase
     from drystone.model import Model
 
@@ -161,7 +162,7 @@ class Subject:
             how |= changed
             model = self._read(how, waiting)
         uncut = self.uncut(model.assembly)
-        _refuse_supports(model, how, self.name, uncut)
+        _refuse_supports(model, how, self, uncut)
         notes = [*uncut, *model.notes, *told]
         notes += [] if model.report is None else warnings_of(model.report)
         load = model.load
@@ -227,7 +228,7 @@ class OneFile(Subject):
 
 
 def _refuse_supports(
-    model: Model, how: dict[str, Any], name: str, uncut: Sequence[str] = ()
+    model: Model, how: dict[str, Any], source: Subject, uncut: Sequence[str] = ()
 ) -> None:
     """Raise InputError where no block is fixed, or every block is."""
     from drystone.model import up_of_load  # as above
@@ -242,27 +243,30 @@ def _refuse_supports(
         layers = sorted({str(block.metadata.get("layer", "")) for block in model.assembly.blocks})
         if any(layers):
             remedy += f"; or draw what moves on another layer than {named(layers, 4)}"
-    if "up" not in how and chosen and (said := on_its_side(model)):
+    if chosen and (said := on_its_side(model, source.place, how)):
         remedy += f"; or {said}"
     require_supports(
         model.assembly,
         model.joints,
         up=up_of_load(how.get("gravity")),
-        where="supports" if fixed.all() and chosen else name,
+        where="supports" if fixed.all() and chosen else source.name,
         option="--supports",
         remedy=remedy,
     )
 
 
-def on_its_side(model: Model) -> str:
-    """The question whether y points up, where every block is fixed and that would free some."""
+def on_its_side(model: Model, path: Paths, how: dict[str, Any]) -> str:
+    """The question whether another axis is up, where all blocks are fixed and that frees some."""
     if not model.assembly.fixed.all():
         return ""
-    from drystone.supports import select  # as above
+    from drystone.stability.doubts import other_up, toward  # as above
+    from drystone.supports import select
 
-    lying = select(model.assembly, "lowest", up=(0.0, 1.0, 0.0), joints=model.joints).fixed
+    if not (up := other_up(path, how)):
+        return ""
+    lying = select(model.assembly, "lowest", up=toward(up), joints=model.joints).fixed
     some = counted(int(lying.sum()), "block")
-    said = f"does the model lie on its side? With --up y 'lowest' fixes {some}"
+    said = f"does the model lie on its side? With --up {up} 'lowest' fixes {some}"
     return "" if lying.all() else said
 
 

@@ -84,7 +84,7 @@ class SurfaceRequest:
     ] = None  # fmt: skip
     up: Annotated[
         Literal["z", "y"] | None,
-        Option("Axis that points up in a mesh file (z).", MODEL, expert=True),
+        Option("Axis that points up in a mesh file (y in GLB, else z).", MODEL, expert=True),
     ] = None
     size: Annotated[
         Analysis,
@@ -173,7 +173,7 @@ def _from_mesh(wanted: SurfaceRequest) -> Surface:
     from drystone.shells.shell_by_name import COURSES
     from drystone.shells.sources import surface_in_file
 
-    points, faces, unit = surface_in_file(wanted.surface, wanted.units, wanted.up or "z")
+    points, faces, unit = surface_in_file(wanted.surface, wanted.units, wanted.up)
     name, supports, corners = Path(wanted.surface).name, wanted.supports, wanted.corners
     vaults = (supports is None or len(corners or ()) > 4) and shells.several_supports(
         points, faces, corners=corners

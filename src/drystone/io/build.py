@@ -15,14 +15,9 @@ from drystone.base.errors import DefectKind, FormatError, InputError, counted, p
 from drystone.base.units import UNITS, mass, scale_of
 from drystone.detection.tolerances import repair_lines
 from drystone.geometry import coincidence
-from drystone.io.draft import Contents, Draft, DraftBlock
+from drystone.io.draft import UP, Contents, Draft, DraftBlock
 from drystone.io.shape_blocks import blocks_of, faces_at_holes
 
-UP = {
-    "z": np.eye(3),
-    "y": np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]]),
-}
-"""Rotations from the vertical axis of a file to z."""
 _LIKELY_EXTENT = (0.01, 1000.0)
 _LIKELY_BLOCK = (0.002, 4.0)
 _LIKELY_MASS = 1e10
@@ -89,7 +84,6 @@ def build(
     skip_defects: bool = False,
     supports: str | None = None,
     repair: bool = False,
-    up: str = "z",
 ) -> Contents:
     """The model of a draft; with ``skip_defects`` without the blocks that cannot be used.
 
@@ -100,7 +94,7 @@ def build(
     InputError
         The first defect, with the number of others; or no block can be used.
     """
-    built = try_blocks(draft, path, units, split=split, supports=supports, repair=repair, up=up)
+    built = try_blocks(draft, path, units, split=split, supports=supports, repair=repair)
     assembly, unit = built.assembly, units or draft.units or "m"
     if assembly is None and skip_defects and built.usable is not None:
         left = len(built.blocks) - len(built.usable)
@@ -133,14 +127,13 @@ def try_blocks(
     split: bool = False,
     supports: str | None = None,
     repair: bool = False,
-    up: str = "z",
 ) -> Built:
     """Every block that can be made of a draft, and all defects of the others.
 
     With ``split``, the separate parts of a block become separate blocks. An open surface that is
     fixed, in the file or by ``supports``, gets a body behind it. With ``repair``, other broken
     meshes are mended, and else an error says where this would work; see
-    :func:`drystone.repair.mended_blocks`. The axis ``up`` of the file becomes z.
+    :func:`drystone.repair.mended_blocks`. The axis of the draft that points up becomes z.
     """
     remarks = _overruled(draft, path, units)
     scale = scale_of(units or draft.units or "m")
@@ -150,7 +143,7 @@ def try_blocks(
             where=str(path),
             remedy="leave --split and --repair out",
         )
-    if up != "z" and draft.finish is not None:
+    if draft.up != "z" and draft.finish is not None:
         raise FormatError(
             "the file has contacts or loads, whose axes are known",
             where=str(path),
@@ -165,9 +158,9 @@ def try_blocks(
         if isinstance(own, InputError):
             defects.append(_located(own, path, shape))
             if own.kind is DefectKind.OPEN:
-                bare += [one @ UP[up].T for one in faces_at_holes(shape, scale)]
+                bare += [one @ UP[draft.up].T for one in faces_at_holes(shape, scale)]
             own = [None]
-        blocks += own if up == "z" else [one and one.transformed(UP[up]) for one in own]
+        blocks += own if draft.up == "z" else [one and one.transformed(UP[draft.up]) for one in own]
         fixed += [shape.fixed] * len(own)
     place = [i for i, block in enumerate(blocks) if block is not None]
     good = [block for block in blocks if block is not None]

@@ -10,6 +10,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeAlias
 
+import numpy as np
+
 from drystone.assembly import DEFAULT_DENSITY, Assembly
 from drystone.base.display import OneLine
 from drystone.base.errors import FormatError, InputError, counted
@@ -18,6 +20,11 @@ from drystone.detection import DetectionOptions
 from drystone.loads import LoadCase
 from drystone.results import Result
 
+UP = {
+    "z": np.eye(3),
+    "y": np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]]),
+}
+"""Rotations from the vertical axis of a file to z."""
 Extras: TypeAlias = tuple[Contacts | None, tuple[LoadCase, ...], tuple[Result, ...]]
 """Contacts, loads and results of one assembly."""
 
@@ -74,6 +81,8 @@ class Draft:
         Of the model; see :class:`drystone.Model`.
     detection
         Tolerances with which the contacts were searched; ``None`` where they were given.
+    up
+        Axis of the shapes that points up, z or y.
     """
 
     shapes: tuple[DraftBlock, ...]
@@ -83,6 +92,7 @@ class Draft:
     ties: tuple[tuple[str, str], ...] = ()
     ends: str | None = None
     detection: DetectionOptions | None = None
+    up: str = "z"
 
 
 @dataclass(frozen=True)

@@ -1,9 +1,9 @@
 """GLB, the binary form of glTF 2.0: a scene of named nodes with triangle meshes.
 
 Source: Khronos Group, glTF 2.0 Specification, 2021 (ISO/IEC 12113:2022). Its unit is the metre and
-its y axis points up; in drystone z does, so models are rotated when read and written. A node with a
-mesh is a block. Extensions that a file requires, sparse accessors and files outside the GLB are
-refused.
+its y axis points up; in drystone z does, so models are rotated when written, and when built from
+what is read. A node with a mesh is a block. Extensions that a file requires, sparse accessors and
+files outside the GLB are refused.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from drystone.base.errors import FormatError
 from drystone.base.files import write_bytes
 from drystone.base.ragged import Ragged
 from drystone.geometry.triangulate import fan_warped, triangulate
-from drystone.io.draft import Contents, Draft, DraftBlock
+from drystone.io.draft import UP, Contents, Draft, DraftBlock
 from drystone.io.face_soup import FaceSoup, in_double, moved, named_apart, shapes_of
 from drystone.io.jsontext import Field, parse
 from drystone.io.outside import Unfolded
@@ -32,14 +32,14 @@ MAGIC, VERSION, JSON, BIN = 0x46546C67, 2, 0x4E4F534A, 0x004E4942
 TRIANGLES, STRIP, FAN = 4, 5, 6
 _INDEX_TYPES = {5121: "<u1", 5123: "<u2", 5125: "<u4"}
 UNSIGNED, FLOAT = 5125, 5126
-Z_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
+Z_UP = UP["y"]
 """Rotation from y up to z up."""
 _LARGEST_STRIDE = 252
 """[bytes] Distance from one element to the next. Source: glTF 2.0, section 5.11."""
 
 
-def read(data: bytes, path: Path, *, upright: Floats = Z_UP) -> Draft:
-    """Blocks of a GLB file, turned by ``upright`` (3, 3): the nodes of its scene with a mesh."""
+def read(data: bytes, path: Path) -> Draft:
+    """Blocks of a GLB file, in its axes: the nodes of its scene with a mesh."""
     top, binary = _chunks(data, path)
     if required := [one.text() for one in top.get("extensionsRequired", []).elements()]:
         what = f"needs the extension {', '.join(required)[:80]}"
@@ -65,9 +65,7 @@ def read(data: bytes, path: Path, *, upright: Floats = Z_UP) -> Draft:
             faces = faces[:, ::-1]
         where = f"node {number}"
         told[where] = ours
-        with np.errstate(all="ignore"):  # overflow is found with the vertices
-            turned = vertices @ upright.T
-        soups.append(FaceSoup(turned, faces.tolist(), name, where, split=ours is None))
+        soups.append(FaceSoup(vertices, faces.tolist(), name, where, split=ours is None))
     shapes, notes = shapes_of(soups, SAME, path)
     shapes = [_with_material(shape, told[shape.where]) for shape in shapes]
     shapes, renamed = named_apart(shapes)

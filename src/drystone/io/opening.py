@@ -161,7 +161,7 @@ def read(path: Paths, *, progress: Progress | None = None, **reading: Unpack[How
     units
         Unit of length of the file (the file's, else m).
     up
-        Axis that points up in the file.
+        Axis that points up in the file, z or y (y in GLB, else z).
     split
         Make a block of each separate part of a block.
     repair
@@ -212,8 +212,6 @@ def read(path: Paths, *, progress: Progress | None = None, **reading: Unpack[How
     of_file = {key: given[key] for key in FileOptions.__annotations__ if key in given}
     contents = read_file(path, supports=layer, skip_defects=skip, **cast(FileOptions, of_file))
     model = _model_of(contents, Loads.of(reading), _searched(reading), reading, progress)
-    if given.get("up") == "z":
-        del given["up"]
     given |= {} if detection is None else differing(detection)
     silent = ("load", "detection", "max_size")
     told = {key: _told(one) for key, one in given.items() if key not in silent and _says(one)}

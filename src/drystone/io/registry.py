@@ -46,12 +46,13 @@ class Format(OneLine):
         dot. Empty if the format is only read.
     loses
         The parts of a model that the format cannot hold, as text; empty if it holds everything.
-    axes_unknown
-        Whether files do not define the vertical axis.
     any_unit
         Whether lengths may be written in another unit than metres.
     options
         What ``read`` takes further: ``layers`` and ``hidden``, or ``thickness`` and ``units``.
+    up
+        The axis taken to point up in its files, where these do not say it or many have another;
+        empty where readers turn what files say.
     """
 
     name: str
@@ -60,9 +61,9 @@ class Format(OneLine):
     reader: str = ""
     writer: str = ""
     loses: str = ""
-    axes_unknown: bool = False
     any_unit: bool = False
     options: tuple[str, ...] = ()
+    up: str = ""
 
     @property
     def read(self) -> Callable[..., Draft]:
@@ -105,9 +106,9 @@ FORMATS: tuple[Format, ...] = (
         "compas_json_write.write_block_model",
         _COMPAS,
     ),
-    Format("obj", "Wavefront OBJ", (".obj",), "obj", "obj", _MATERIAL, True, True),
-    Format("stl", "STL", (".stl",), "stl", "stl", f"polygons, {_MATERIAL}", True, True),
-    Format("ply", "PLY", (".ply",), "ply", "ply", _CONTACTS, True, True),
+    Format("obj", "Wavefront OBJ", (".obj",), "obj", "obj", _MATERIAL, True, up="z"),
+    Format("stl", "STL", (".stl",), "stl", "stl", f"polygons, {_MATERIAL}", True, up="z"),
+    Format("ply", "PLY", (".ply",), "ply", "ply", _CONTACTS, True, up="z"),
     Format(
         "3dm",
         "Rhino 3dm",
@@ -141,7 +142,15 @@ FORMATS: tuple[Format, ...] = (
         "urdf",
         loses="friction, ties, joint capacities, loads, results",
     ),
-    Format("glb", "glTF 2.0, binary", (".glb",), "glb", "glb", f"{_SINGLE}, {_CONTACTS}"),
+    Format(
+        "glb",
+        "glTF 2.0, binary",
+        (".glb",),
+        "glb",
+        "glb",
+        f"{_SINGLE}, {_CONTACTS}",
+        up="y",
+    ),
 )
 """In order of preference where several formats share a suffix."""
 
@@ -197,7 +206,7 @@ class FileOptions(TypedDict, total=False):
     max_size: float | None
     split: bool
     repair: bool
-    up: Literal["z", "y"]
+    up: Literal["z", "y"] | None
 
 
 def files_at(path: Paths) -> tuple[Path, ...]:
@@ -290,6 +299,7 @@ def _draft(
     hidden: bool = False,
     thickness: float | str | None = None,
     max_size: float | None = None,
+    up: str | None = None,
     **rest: Any,
 ) -> tuple[Draft, str | None, dict[str, Any]]:
     """The draft of a file, or of several together; its unit if it is not that; other options."""
@@ -303,14 +313,18 @@ def _draft(
             raise InputError(f"a thickness of {thickness} m", remedy="give metres above zero")
     asked = {name: one for name, one in asked.items() if one}
     files, left = _files_at(path)
-    drafts = [(file, _draft_of(file, units, max_size, asked)) for file in files]
+    drafts = [(file, _draft_of(file, units, max_size, up, asked)) for file in files]
     draft = drafts[0][1] if len(drafts) == 1 else together(drafts, units)
     draft = replace(draft, notes=(*draft.notes, *left_notes(left)))
     return draft, units, rest
 
 
 def _draft_of(
-    path: Path, units: str | None, max_size: float | None, asked: Mapping[str, Any]
+    path: Path,
+    units: str | None,
+    max_size: float | None,
+    up: str | None,
+    asked: Mapping[str, Any],
 ) -> Draft:
     chosen = format_of(path)
     if not chosen.reader:
@@ -325,7 +339,7 @@ def _draft_of(
     )
     data = read_bytes(path, largest)
     try:
-        draft = chosen.read(data, Path(path), **options)
+        draft = replace(chosen.read(data, Path(path), **options), up=up or chosen.up or "z")
     except (RecursionError, MemoryError) as error:
         raise FormatError(
             "reading the file would take more memory than any model needs", where=str(path)

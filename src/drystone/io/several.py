@@ -14,12 +14,12 @@ from typing import TypeAlias, TypeGuard
 
 import numpy as np
 
-from drystone.base.arrays import frozen_floats
+from drystone.base.arrays import Floats, frozen_floats
 from drystone.base.display import named
 from drystone.base.errors import FormatError, InputError, counted
 from drystone.base.files import PathLike, as_path, digest
 from drystone.base.units import scale_of
-from drystone.io.draft import Draft, DraftBlock
+from drystone.io.draft import UP, Draft, DraftBlock
 
 Paths: TypeAlias = PathLike | list[PathLike] | tuple[PathLike, ...] | list[str] | list[Path]
 """One file, a folder, a pattern such as ``parts/*.obj``, or several of these."""
@@ -131,7 +131,7 @@ def left_notes(left: Sequence[Path]) -> list[str]:
 def together(drafts: Sequence[tuple[Path, Draft]], units: str | None) -> Draft:
     """One draft of the shapes of several files, with remarks on their units.
 
-    Its lengths are in ``units`` where these are given, else in metres.
+    Its lengths are in ``units`` where these are given, else in metres; z is up.
 
     A block has the name of its file; where a file has several, a dot and its own name follow.
 
@@ -158,7 +158,8 @@ def together(drafts: Sequence[tuple[Path, Draft]], units: str | None) -> Draft:
                 remedy="read it alone, or convert it to a mesh",
             )
         scale = 1.0 if units else scale_of(draft.units or "m")
-        own = [_placed(shape, file, name, len(draft.shapes), scale) for shape in draft.shapes]
+        turn = scale * UP[draft.up].T
+        own = [_placed(shape, file, name, len(draft.shapes), turn) for shape in draft.shapes]
         shapes += own
         size.append(_extent(own))
         notes += [f"{file.name}: {note}" for note in draft.notes]
@@ -182,9 +183,9 @@ def _names(files: Sequence[Path]) -> list[str]:
     return named
 
 
-def _placed(shape: DraftBlock, file: Path, name: str, of: int, scale: float) -> DraftBlock:
+def _placed(shape: DraftBlock, file: Path, name: str, of: int, turn: Floats) -> DraftBlock:
     where = f"{file.name} {shape.where}".strip()
-    vertices = scale * frozen_floats(shape.vertices, (None, 3), "vertices")
+    vertices = frozen_floats(shape.vertices, (None, 3), "vertices") @ turn
     own = name if of == 1 else f"{name}.{shape.name}"
     return replace(shape, name=own, vertices=vertices, where=where)
 

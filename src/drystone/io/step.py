@@ -9,8 +9,6 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-import numpy as np
-
 from drystone.base.errors import FormatError, counted, require
 from drystone.io import glb
 from drystone.io.draft import Draft
@@ -30,7 +28,7 @@ def read(data: bytes, path: Path) -> Draft:
     if not scene or not solids:
         what = "holds no solid" if scene else "cannot be read: it is damaged"
         raise FormatError(what, where=str(path), remedy="export the blocks as solids (AP214)")
-    draft = glb.read(scene, path, upright=np.eye(3))
+    draft = glb.read(scene, path)
     if len(draft.shapes) < solids:
         raise FormatError(
             f"{counted(solids - len(draft.shapes), 'solid')} of {solids} cannot be read",

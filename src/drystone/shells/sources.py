@@ -16,7 +16,7 @@ from drystone.base.errors import FormatError, InputError
 from drystone.base.files import PathLike, read_bytes
 from drystone.base.units import scale_of
 from drystone.io import format_of
-from drystone.io.build import UP
+from drystone.io.draft import UP
 from drystone.shells.patch import SAMPLES, Patch, arc_lengths, check_patch, numbers
 
 _Curve: TypeAlias = Callable[[Floats], Any]
@@ -233,7 +233,7 @@ def _refuse_crossings(curves: dict[str, _Curve], size: float, where: str) -> Non
 
 
 def read_surface(
-    path: PathLike, *, units: str | None = None, up: Literal["z", "y"] = "z"
+    path: PathLike, *, units: str | None = None, up: Literal["z", "y"] | None = None
 ) -> tuple[Floats, list[tuple[int, ...]]]:
     """Vertices (p, 3) [m] and faces of an open mesh, from any format that has faces.
 
@@ -244,7 +244,7 @@ def read_surface(
         Of the numbers in the file: mm, cm, m, in or ft. When left out: the unit in the file, else
         metres.
     up
-        Axis that points up in the file.
+        Axis that points up in the file (y in GLB, else z).
 
     Raises
     ------
@@ -258,12 +258,11 @@ def read_surface(
 
 
 def surface_in_file(
-    path: PathLike, units: str | None, up: Literal["z", "y"]
+    path: PathLike, units: str | None, up: Literal["z", "y"] | None
 ) -> tuple[Floats, list[tuple[int, ...]], str | None]:
     """As :func:`read_surface`, and the unit that was asked for or is in the file, if any."""
     chosen = format_of(path)
-    if chosen.read is None:
-        raise FormatError(f"{chosen.title} can be written but not read", where=str(path))
+    turn = UP[up or chosen.up or "z"].T
     draft = chosen.read(read_bytes(path), Path(path))
     vertices, faces, offset = [], [], 0
     for shape in draft.shapes:
@@ -274,4 +273,4 @@ def surface_in_file(
     if not faces:
         raise FormatError("holds no faces", where=str(path), remedy="export the surface as a mesh")
     unit = units or draft.units
-    return scale_of(unit or "m") * np.concatenate(vertices) @ UP[up].T, faces, unit
+    return scale_of(unit or "m") * np.concatenate(vertices) @ turn, faces, unit

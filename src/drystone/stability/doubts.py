@@ -73,10 +73,10 @@ def doubts(model: Model, path: Paths, how: Mapping[str, Any]) -> Iterator[Doubt]
     units = unit_doubts(model.notes)
     yield from units
     yield from _apart(model)
-    if not units and _may_lie(model, path, how):
-        words = _better_upright(model, str(how["supports"]))
+    if not units and how.get("supports") and (up := other_up(path, how)) and _may_lie(model, how):
+        words = _better_upright(model, str(how["supports"]), up)
         if words:
-            yield Doubt(f"{words}: does y point up in the file?", {"up": "y"})
+            yield Doubt(f"{words}: does {up} point up in the file?", {"up": up})
 
 
 def unit_doubts(notes: Iterable[str]) -> list[Doubt]:
@@ -111,12 +111,22 @@ def _apart(model: Model) -> Iterator[Doubt]:
         )
 
 
-def _may_lie(model: Model, path: Paths, how: Mapping[str, Any]) -> bool:
-    """Whether the axes of the file are not known, and it is not all bed joints."""
-    known = how.get("up", "z") != "z" or how.get("gravity") is not None or len(model) > _MOST
-    if known or not how.get("supports") or not model.contacts.count:
-        return False
-    if not all(format_of(file).axes_unknown for file in files_at(path)):
+def other_up(path: Paths, how: Mapping[str, Any]) -> str:
+    """The axis that may point up in files in place of the one taken; empty where that is known."""
+    if how.get("up") is not None:
+        return ""
+    taken = {format_of(file).up for file in files_at(path)}
+    return {"z": "y", "y": "z"}.get(taken.pop(), "") if len(taken) == 1 else ""
+
+
+def toward(up: str) -> tuple[float, float, float]:
+    """Where the other axis of a file, which may point up, points in its model."""
+    return (0.0, 1.0, 0.0) if up == "y" else (0.0, -1.0, 0.0)
+
+
+def _may_lie(model: Model, how: Mapping[str, Any]) -> bool:
+    """Whether it is not all bed joints, under its own gravity, and is looked at soon."""
+    if how.get("gravity") is not None or len(model) > _MOST or not model.contacts.count:
         return False
     contacts = model.contacts
     along = contacts.area @ contacts.frame[:, 0] ** 2
@@ -134,10 +144,11 @@ def _feet(assembly: Assembly) -> int:
     return int(connected_components(both, directed=False)[0])
 
 
-def _better_upright(model: Model, supports: str) -> str:
-    """How much better it is with its y axis up, as text; empty where it is not."""
+def _better_upright(model: Model, supports: str, up: str) -> str:
+    """How much better it is with another axis up, as text; empty where it is not."""
+    axis = toward(up)
     try:
-        turned = select(model.assembly, supports, up=(0.0, 1.0, 0.0), joints=model.joints)
+        turned = select(model.assembly, supports, up=axis, joints=model.joints)
     except InputError:
         return ""
     if turned.fixed.all() or _feet(turned) < _feet(model.assembly):
@@ -146,9 +157,9 @@ def _better_upright(model: Model, supports: str) -> str:
     lying = check(model, options=quick)
     if lying.stable:
         return ""
-    down = LoadCase.gravity(turned, direction=(0.0, -1.0, 0.0))
+    down = LoadCase.gravity(turned, direction=(0.0, -axis[1], 0.0))
     upright = check(replace(model, assembly=turned, load=down), options=quick)
     hangs = [FREELY in one.message for one in (lying, upright)]
     if hangs == [True, False] and not upright.stable:
-        return "as it is nothing presses on the blocks that fall, with y up something does"
-    return "it falls as it is, and stands with y up" if upright.stable else ""
+        return f"as it is nothing presses on the blocks that fall, with {up} up something does"
+    return f"it falls as it is, and stands with {up} up" if upright.stable else ""

@@ -68,6 +68,16 @@ def test_nodes_with_a_mesh_are_blocks_and_y_up_becomes_z_up(
     assert len(block.faces) == 6
 
 
+def test_z_is_up_as_written_where_it_is_said(tmp_path: Path) -> None:
+    (tmp_path / "model.glb").write_bytes(glb(*scene()))
+    for up, bounds in (("z", [[0, 1, -2], [1, 4, 0]]), ("y", [[0, 0, 1], [1, 2, 4]])):
+        (block,) = io.read_file(tmp_path / "model.glb", up=up).assembly.blocks
+        assert block.bounds.tolist() == bounds
+    io.write(tower(2), tmp_path / "tower.obj")
+    files = [tmp_path / "model.glb", tmp_path / "tower.obj"]
+    assert io.read_file(files).assembly.blocks[0].bounds.tolist() == [[0, 0, 1], [1, 2, 4]]
+
+
 @pytest.mark.parametrize(
     ("node", "bounds"),
     [

@@ -63,6 +63,9 @@ def test_a_model_that_stands_on_its_other_side_may_lie(tmp_path: Path) -> None:
     path = written(vault().transformed(Y_UP), tmp_path / "lying.obj")
     assert options(path, supports="lowest") == ["--up y"]
     assert options(path, supports="lowest", up="y") == []
+    raw = written(vault().transformed(Y_UP.T), tmp_path / "raw.glb")  # z is up in the file
+    assert options(raw, supports="lowest") == ["--up z"]
+    assert options(raw, supports="lowest", up="z") == []
 
 
 def test_what_falls_with_y_up_too_may_lie_if_nothing_presses_on_what_falls(tmp_path: Path) -> None:
