@@ -69,21 +69,19 @@ def checked(degrees: float, longer: float, **how: str) -> drystone.Result:
     return drystone.check(Model.of(groove, friction=0.84, load=load), **how)  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize("degrees", [41.0, 46.0])
-def test_faces_as_much_longer_as_a_check_says_hold_it(degrees: float) -> None:
-    flush = checked(degrees, 0.0)
+def test_faces_as_much_longer_as_a_check_says_hold_it() -> None:
+    flush = checked(46.0, 0.0)
     assert flush.verdict is Verdict.UNDECIDED
     told = re.search(r"go on more than ([0-9.]+) mm beyond those ends", flush.message)
     assert told is not None
     far = 1e-3 * float(told[1])
-    assert checked(degrees, 1.05 * far).verdict is Verdict.STABLE
-    assert checked(degrees, 0.8 * far).verdict is not Verdict.STABLE
+    assert checked(46.0, 1.05 * far).verdict is Verdict.STABLE
+    assert checked(46.0, 0.8 * far).verdict is not Verdict.STABLE
 
 
 @pytest.mark.parametrize(
     ("degrees", "longer", "ends", "verdict"),
     [
-        (41.0, 0.5e-3, None, Verdict.UNSTABLE),
         (41.0, 1e-3, None, Verdict.UNDECIDED),  # with stiff joints it falls
         (46.0, 0.0, "exact", Verdict.UNSTABLE),
     ],

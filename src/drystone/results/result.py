@@ -140,7 +140,7 @@ class Result(Solution, Answer):
             words += f", and it falls at {rounded_down(self.crushing_factor):g} times"
         return [Sentence(words)]
 
-    @property
+    @cached_property
     def zero_margin(self) -> str:
         """What stands exactly above an edge, in words; or empty."""
         joints, names = self.contacts.joints, self.assembly.names
@@ -156,7 +156,7 @@ class Result(Solution, Answer):
         words = f"the margin is zero: '{names[block]}' stands exactly {where} with {below}"
         return f"{words}{more}; the least push overturns it"
 
-    @property
+    @cached_property
     def corners_needed(self) -> str:
         """What carries more torsion than pressure spread over its face does, in words; or empty.
 

@@ -73,7 +73,7 @@ def test_wedges_that_would_take_the_same_part_of_a_block_are_refused() -> None:
 
 
 def test_wedges_that_fit_alone_but_not_together_are_made_as_far_as_they_fit() -> None:
-    few = SharpenOptions(most=20.0, close=5.0, margin=DesignMargin(robust=False))
+    few = SharpenOptions(step=20.0, most=20.0, close=5.0, margin=DesignMargin(robust=False))
     found = sharpen(shelf(), options=few, friction=0.9)
     assert not found.stands
     assert found.x.max() == 20.0

@@ -248,7 +248,7 @@ def test_few_places_and_many_find_the_same_worst_one(bridge: Model, name: str) -
     quick = LimitOptions(equilibrium_only=True)
     few, many = (
         limit_train(bridge, train=Train.named(name), fill=FILL, steps=steps, options=quick)
-        for steps in (21, 90)
+        for steps in (13, 40)
     )
     assert (np.diff(few.places) > 0.0).all()
     assert few.factors[few.worst] == pytest.approx(many.factors[many.worst], rel=3e-3)
@@ -281,19 +281,19 @@ def test_what_is_carried_whatever_the_factor_is_told_apart_from_none() -> None:
     assert found.sentences()[0].role is Role.GOOD
 
 
-@pytest.mark.parametrize("degrees", [30.0, 90.0])
-def test_a_bridge_turned_in_plan_carries_the_same_along_its_road(degrees: float) -> None:
+def test_a_bridge_turned_in_plan_carries_the_same_along_its_road() -> None:
     """Along x a bridge at 30 degrees bore twice as much, and one at 90 degrees any factor."""
-    bridge, fill = segmental_bridge(voussoirs=10), Fill(cover=0.3, weight=2e4, k=0.3)
+    bridge, fill = segmental_bridge(voussoirs=7), Fill(cover=0.3, weight=2e4, k=0.3)
     train, quick = Train.named("lm1"), LimitOptions(equilibrium_only=True)
-    turned = bridge.transformed(rotations(np.array([[0.0, 0.0, np.radians(degrees)]]))[0])
-    one, other = (
-        limit_train(each, train=train, fill=fill, steps=3, options=quick)
-        for each in (bridge, turned)
+    turns = rotations(np.radians([[0.0, 0.0, 0.0], [0.0, 0.0, 30.0], [0.0, 0.0, 90.0]]))
+    one, *others = (
+        limit_train(bridge.transformed(turn), train=train, fill=fill, steps=2, options=quick)
+        for turn in turns
     )
-    assert other.factors == pytest.approx(one.factors, rel=1e-6)
-    assert other.axles()["borne"] == pytest.approx(one.axles()["borne"])
-    assert any(text.text.startswith("the road is taken along") for text in other.sentences())
+    for other in others:
+        assert other.factors == pytest.approx(one.factors, rel=1e-6)
+        assert other.axles()["borne"] == pytest.approx(one.axles()["borne"])
+        assert any(text.text.startswith("the road is taken along") for text in other.sentences())
 
 
 def test_the_answer_names_the_fill_the_axles_and_what_the_standard_adds(bridge: Model) -> None:
@@ -319,7 +319,7 @@ def test_the_answer_names_the_fill_the_axles_and_what_the_standard_adds(bridge: 
 
 
 def test_parts_of_faces_that_crush_are_kept_for_the_next_stretch_of_a_line_load(
-    bridge: Model, monkeypatch: pytest.MonkeyPatch
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """With mortar, which no plane program has: 16 programs a stretch if each begins anew."""
     solved, asked = [], []
@@ -327,7 +327,8 @@ def test_parts_of_faces_that_crush_are_kept_for_the_next_stretch_of_a_line_load(
     monkeypatch.setattr(ConicProgram, "solve", lambda *a, **k: solved.append(0) or solve(*a, **k))
     monkeypatch.setattr(LoadFactors, "__call__", lambda *a: asked.append(0) or largest(*a))
     stone = {"tension": 5e4, "cohesion": 1e5, "compression": 5e6}
-    mortar = bridge.with_capacity(JointCapacity.of_stress(bridge.contacts, **stone))
+    small = Model.of(segmental_bridge(voussoirs=5), friction=0.6)
+    mortar = small.with_capacity(JointCapacity.of_stress(small.contacts, **stone))
     quick = LimitOptions(equilibrium_only=True)
     limit_train(mortar, train=Train.named("lm1"), fill=FILL, steps=1, options=quick)
     assert len(asked) > 4
@@ -419,10 +420,13 @@ def test_a_train_that_cannot_be_read_is_told_in_one_line(
 @pytest.mark.parametrize("train", [replace(AXLE, across=2.4), Train.named("lm1")])
 def test_ground_beside_a_bridge_carries_nothing_of_a_train(train: Train) -> None:
     """A fixed slab below it, 4 m wider, changes neither the breadth nor the factor."""
-    bridge, fill = segmental_bridge(5.0, 1.5), Fill(cover=0.4, weight=19e3, k=0.3)
+    quick = LimitOptions(equilibrium_only=True)
+    bridge, fill = segmental_bridge(5.0, 1.5, voussoirs=8), Fill(cover=0.4, weight=19e3, k=0.3)
     low, high = bridge.bounds.reshape(-1, 3).min(axis=0), bridge.bounds.reshape(-1, 3).max(axis=0)
     size = high - low + (2.0, 4.0, 0.0)
     slab = box((size[0], size[1], 0.5), (low[0] - 1.0, low[1] - 2.0, low[2] - 0.5), "slab")
     wide = Assembly((*bridge.blocks, slab), [*bridge.fixed.tolist(), True])
-    alone, beside = (limit_train(one, train=train, fill=fill, steps=3) for one in (bridge, wide))
-    assert beside.limit.stands == pytest.approx(alone.limit.stands, rel=1e-6)
+    alone, beside = (
+        limit_train(one, train=train, fill=fill, steps=2, options=quick) for one in (bridge, wide)
+    )
+    assert beside.factors == pytest.approx(alone.factors, rel=1e-6)
