@@ -237,9 +237,11 @@ def tilt_bound(
     return _confirmed(family, angle, solution, (0.0, upper), width, cone, stop)
 
 
-def tilt_factor(family: Tilt, cone: FrictionCone, stop: Stop | None) -> FactorSolution:
-    """Tangent of the tilt below 90 degrees up to which forces balance the loads."""
-    return _largest(family.model, family.turned(90.0), cone, stop)
+def tilt_factor(
+    family: Tilt, cone: FrictionCone, stop: Stop | None, enough: float = np.inf
+) -> FactorSolution:
+    """Tangent of the tilt below 90 degrees up to which forces balance the loads, if not enough."""
+    return _largest(family.model, family.turned(90.0), cone, stop, enough)
 
 
 def tilt_margin(
@@ -298,9 +300,11 @@ def _statics(model: Model) -> Statics:
     return build_statics(model, model.contacts.select(model.active))
 
 
-def _largest(model: Model, live: LoadCase, cone: FrictionCone, stop: Stop | None) -> FactorSolution:
+def _largest(
+    model: Model, live: LoadCase, cone: FrictionCone, stop: Stop | None, enough: float = np.inf
+) -> FactorSolution:
     statics = _statics(model)
-    return LoadFactors(statics, cone)(scaled_wrench(statics, live), stop)
+    return LoadFactors(statics, cone, enough=enough)(scaled_wrench(statics, live), stop)
 
 
 def scaled_wrench(statics: Statics, load: LoadCase) -> Floats:

@@ -104,10 +104,11 @@ def searched(
     bound: Callable[[Stop], tuple[Bracket, float]],
     means: Means,
     share: float | None = None,
+    at_rest: Result | None = None,
 ) -> Limit:
     """The convex bound and its width, then the limit of the full verdict inside it.
 
-    ``share``: of the limit, which is the default width.
+    ``share``: of the limit, which is the default width. ``at_rest``: by one stiffness at the start.
 
     Raises
     ------
@@ -120,6 +121,8 @@ def searched(
         family, partial(one_stiffness, stop=means.clock.late),
         meaning=STANDS_OR_NOT, stop=means.clock.late, starts={},
     )  # fmt: skip
+    if at_rest is not None and at_rest.stable:
+        first.results[start] = at_rest
     found: Mapping[str, FoundBracket] = {}
     asks = means.check is None and not means.options.equilibrium_only
     if asks and family(start).contacts.corner_count > MANY:
@@ -172,17 +175,20 @@ def searched(
     )
 
 
-def stands_up_to(family: Family, end: float, means: Means) -> bool:
-    """Whether it stands from 0 to ``end``, as far as a scan tells."""
-    late, start = means.clock.late, None
-    for value in np.linspace(0.0, end, means.options.scan + 1).tolist():
+def stands_up_to(family: Family, end: float, means: Means, rest: Result | None) -> bool:
+    """Whether what stands at 0 does so up to ``end``, as far as a scan tells.
+
+    ``rest``: of uniform stiffness at 0.
+    """
+    late, start = means.clock.late, None if rest is None else rest.displacement
+    for value in np.linspace(0.0, end, means.options.scan + 1)[1:-1].tolist():
         found = evaluate(family, partial(one_stiffness, stop=late), (value, start))
         start = found.displacement if found.stable else start
-        if value == end or not found.stable:
+        if not found.stable:
             found = evaluate(family, partial(verdict, stop=late), (value, start))
         if not found.stable:
             return False
-    return True
+    return evaluate(family, partial(verdict, stop=late), (end, start)).stable
 
 
 def _inside(

@@ -38,9 +38,11 @@ from drystone.limits.limit_types import (
     Tilt,
     Weakened,
     modelled,
+    one_stiffness,
 )
 from drystone.loads import LoadCase
 from drystone.model import FlushEnds
+from drystone.results import Result
 
 _WIDTH_DEG = 0.05
 """Default width of a bracket of tilt [degrees]."""
@@ -95,23 +97,30 @@ def limit_tilt(
     families = [Tilt(model, np.array(one)) for one in LEVEL_AXES.values()]
     known: dict[Tilt, FactorSolution] = {}
     asks = check is None and not means.options.equilibrium_only
+    rest: Result | None = None
+    if asks:
+        means.tell("rest state", 0)
+        rest = one_stiffness(model, stop=means.clock.late)
     if asks and model.contacts.corner_count <= MANY:
         means.tell("limit of equilibrium", 0)
-        known = {
-            one: tilt_factor(one, means.options.cone, means.clock.late) for one in families[::2]
-        }
-        about_x, about_y = (one.factor for one in known.values())
+        # the second is asked up to the first only, which is that across the narrow side
+        wide = np.ptp(model.assembly.bounds.reshape(-1, 3), axis=0)
+        enough = np.inf
+        for one in families[::2] if wide[1] <= wide[0] else families[2::-2]:
+            known[one] = tilt_factor(one, means.options.cone, means.clock.late, enough)
+            enough = max(known[one].factor, 0.0)
+        about_x, about_y = (known[one].factor for one in families[::2])
         if about_y < (1.0 - _SHARE) * about_x:
             families = families[2:] + families[:2]
     first, *others = families
-    limit = tilt_limit(first, upper, means, known.get(first))
+    limit = tilt_limit(first, upper, means, known.get(first), rest)
     for family in others:
         last = limit.best.stands
         if not last or limit.stopped:
             break
-        if asks and stands_up_to(family, last, means):
+        if asks and stands_up_to(family, last, means, rest):
             continue
-        found = tilt_limit(family, last, means, known.get(family))
+        found = tilt_limit(family, last, means, rest=rest)
         if found.stopped:
             limit = replace(limit, stopped=found.stopped)
         elif not found.capped:
@@ -123,9 +132,16 @@ def limit_tilt(
 
 
 def tilt_limit(
-    family: Tilt, upper: float, means: Means, first: FactorSolution | None = None
+    family: Tilt,
+    upper: float,
+    means: Means,
+    first: FactorSolution | None = None,
+    rest: Result | None = None,
 ) -> Limit:
-    """As :func:`limit_tilt`; ``first`` as in :func:`drystone.limits.bounds.tilt_bound`."""
+    """As :func:`limit_tilt`; ``first`` as in :func:`drystone.limits.bounds.tilt_bound`.
+
+    ``rest``: of uniform stiffness upright, where it is known.
+    """
     chosen = means.options
     width = _WIDTH_DEG if chosen.width is None else chosen.width
     return searched(
@@ -137,6 +153,7 @@ def tilt_limit(
             width,
         ),
         means,
+        at_rest=rest,
     )
 
 
