@@ -159,7 +159,8 @@ class VerdictSearch:
         width, beyond
             As for :meth:`run`.
         closing
-            Widths from a guess that stands to the fall ``beyond`` within which nothing is tried.
+            Widths from a guess that stands to the fall ``beyond`` within which nothing is tried;
+            with any, undecided values are enclosed from where it stands only.
 
         Returns
         -------
@@ -174,7 +175,7 @@ class VerdictSearch:
                 return self.so_far(start, beyond)
             if held is not False:
                 self._walk(far, end, width.at(far), False)
-            return self._closed(span, width, beyond)
+            return self._closed(span, width, beyond, both=not closing)
         except Stopped:
             return self.so_far(start, beyond)
 
@@ -199,11 +200,16 @@ class VerdictSearch:
             step *= _GROWTH
 
     def _closed(
-        self, span: tuple[float, float], width: Width, beyond: Bracket | None
+        self,
+        span: tuple[float, float],
+        width: Width,
+        beyond: Bracket | None,
+        *,
+        both: bool = True,
     ) -> FoundBracket:
         """Bisect between the last value that stands and the first beyond it that falls.
 
-        Undecided values between them are enclosed from both sides.
+        Undecided values between them are enclosed from both sides, or from where it stands only.
         """
         start, end = span
         known = self.so_far(start, beyond).bracket
@@ -216,7 +222,7 @@ class VerdictSearch:
         while True:
             near = doubtful[0] if doubtful else outside
             gaps = [] if near is None else [(inside, near)]
-            if doubtful and outside is not None:
+            if doubtful and outside is not None and both:
                 gaps.append((doubtful[-1], outside))
             low, high = max(gaps, key=lambda gap: abs(gap[1] - gap[0]))
             middle = 0.5 * (low + high)

@@ -83,6 +83,14 @@ def test_an_undecided_zone_is_closed_in_from_both_sides() -> None:
     assert D in {one.verdict for one in found.evaluations}
 
 
+def test_an_undecided_zone_of_many_blocks_is_closed_in_from_where_it_stands_only() -> None:
+    """Each value in it takes as long as following them does."""
+    search = VerdictSearch(Given(), Steps((0.3, 0.6), (S, D, U)))
+    found = search.around(0.2, 0.35, (0.0, 1.0), width=W(1e-2), closing=2.0)
+    assert found.bracket.stands == pytest.approx(0.3, abs=1e-2)
+    assert found.bracket.falls == 1.0
+
+
 def test_standing_beyond_an_undecided_value_counts() -> None:
     steps = Steps((0.49, 0.51, 0.7), (S, D, S, U))
     found = VerdictSearch(Given(), steps).run(0.0, 1.0, width=W(1e-2), scan=2)
