@@ -107,11 +107,12 @@ def test_fill_and_what_a_bridge_carries_turn_with_it(degrees: float) -> None:
 
 
 def test_fill_presses_steps_and_walls_beside_it_but_not_what_is_covered_or_outside() -> None:
-    """A step, a face below an overhang, and two spandrel walls of 2 m with fill between them."""
+    """A step, a face in a hollow that is shut, and two spandrel walls of 2 m with fill between."""
     sizes = (4.0, 3.0, 2.0, 3.0)
     steps = [box((x, 1.0, 1.0), (0.0, 0.0, i), f"{i}") for i, x in enumerate(sizes)]
-    push = Fill(cover=0.5, weight=2e4, k=0.5).on(Assembly(steps, [True, False, False, False]))
-    assert push.wrench[:, 0] == pytest.approx([0.0, 0.0, 0.5 * 2e4 * 2.0, 0.0], abs=1e-6)
+    steps.append(box((0.5, 1.0, 1.0), (2.5, 0.0, 2.0), "door"))
+    push = Fill(cover=0.5, weight=2e4, k=0.5).on(Assembly(steps).with_fixed(["0", "door"]))
+    assert push.wrench[:, 0] == pytest.approx([0.0, 0.0, 0.5 * 2e4 * 2.0, 0.0, 0.0], abs=1e-6)
     walls = [box((4.0, 0.5, 2.0), (0.0, y, 1.0), f"y={y}") for y in (0.0, 2.5)]
     low = box((4.0, 3.0, 1.0), name="low")
     outwards = 0.5 * 2e4 * 2.0**2 / 2.0 * 4.0
@@ -122,19 +123,59 @@ def test_fill_presses_steps_and_walls_beside_it_but_not_what_is_covered_or_outsi
         assert wrench[1:, :3] @ turn[:, 1] == pytest.approx([-outwards, outwards])
         assert wrench[1:, 3:] @ turn[:, 0] == pytest.approx([-outwards / 3.0, outwards / 3.0])
     resisting = Tops.of(Assembly(steps), Fill(0.5, 2e4, passive=3.0)).resisting
-    assert np.flatnonzero(resisting.any(axis=1)).tolist() == [2]
+    assert np.flatnonzero(resisting.any(axis=1)).tolist() == [2, 4]
 
 
-def test_fill_presses_a_wall_below_a_coping_that_juts_over_it_and_tells_what_it_leaves() -> None:
-    """Walls of 2 m below copings of 0.3 m; only what is as high as a coping juts is not pressed."""
-    sizes = ((0.0, 2.0, 0.5), (2.0, 0.3, 0.65))
-    blocks = [box((6.0, 4.0, 0.5), (0.0, 0.0, -0.5), "deck")]
-    for z, high, wide in sizes:
-        blocks += [box((6.0, wide, high), (0.0, y, z), f"{y} {z}") for y in (0.0, 4.0 - wide)]
+@pytest.mark.parametrize(("wide", "jut"), [(3.0, 0.15), (1.2, 0.5)])
+def test_fill_presses_walls_below_copings_that_jut_over_it_and_tells_what_it_leaves(
+    wide: float, jut: float
+) -> None:
+    """Walls of 2 m below copings of 0.3 m; also where 0.2 m between these is all that is open."""
+    blocks = [box((6.0, wide + 1.0, 0.5), (0.0, 0.0, -0.5), "deck")]
+    for z, high, across in ((0.0, 2.0, 0.5), (2.0, 0.3, 0.5 + jut)):
+        places = (0.0, wide + 1.0 - across)
+        blocks += [box((6.0, across, high), (0.0, y, z), f"{z:g} at {y:g}") for y in places]
     load = Fill(cover=0.2, weight=2e4, k=0.4).on(Assembly(blocks).with_fixed(["deck"]))
-    push = 0.4 * 2e4 * 6.0 / 2.0 * (2.5**2 - 0.5**2 - (0.65**2 - 0.5**2))
-    assert load.wrench[1:3, 1] == pytest.approx([-push, push])
-    assert load.notes[-1].startswith("faces of 0.0 0.0, 3.5 0.0 below what juts out are pressed")
+    push, top = (0.4 * 2e4 * 6.0 / 2.0 * (a**2 - b**2) for a, b in ((2.5, 0.5), (0.5, 0.2)))
+    assert load.wrench[1:, 1] == pytest.approx([-push, push, -top, top])
+    (told,) = load.notes[1:]
+    assert told.startswith("fill below what juts out presses 0 at 0, 0 at ")
+
+
+def test_one_free_wall_beside_fixed_masonry_holds_fill_or_is_told_to_hold_none() -> None:
+    """K w (H^2 - h^2) / 2 of 4 m; zero where fixed blocks stand on both sides, or on none."""
+    deck, south = box((4.0, 4.0, 0.5), (0.0, 0.0, -0.5), "deck"), box((4.0, 0.5, 2.0), name="south")
+    north = box((4.0, 0.5, 2.0), (0.0, 3.5, 0.0), "north")
+    ground = [
+        box((4.0, 2.0, 0.5), (0.0, -2.0, -0.5), "g"),
+        box((4.0, 1.0, 3.0), (0.0, -3.0, -0.5), "q"),
+    ]
+    fill = Fill(cover=0.1, weight=2e4, k=0.4)
+    push = 0.4 * 2e4 * 4.0 * (2.1**2 - 0.1**2) / 2.0
+    for others, held in (([deck, north], -push), ([deck, north, *ground], 0.0), ([deck], 0.0)):
+        bridge = Assembly([south, *others], [False, *(True for _ in others)])
+        load = fill.on(bridge)
+        assert load.wrench[0, 1] == pytest.approx(held)
+        assert any("no fill is seen before" in one for one in load.notes) == (held == 0.0)
+
+
+def test_a_wing_is_pressed_from_behind_as_an_end_or_told_not_to_be() -> None:
+    """K w (H^2 - h^2) / 2 by its true length where it is splayed by less than 45 degrees."""
+    bridge = segmental_bridge(6.0, 1.5, 0.45, 4, width=4.0, height=3.0)
+    wing, corner = (
+        box((3.0, 0.5, 3.0), (0.0, 0.0, -3.0), "wing"),
+        (bridge.bounds[..., 0].max(), 4.0, 0),
+    )
+    push = 0.3 * 2e4 * 3.0 * (5.25**2 - 2.25**2) / 2.0
+    for splay, size, word in (
+        (60.0, push, "oblique faces of wing"),
+        (20.0, 0.0, "no fill is seen"),
+    ):
+        turn = rotation_about(np.array([0.0, 0.0, 1.0]), splay)
+        blocks = [*bridge.blocks, wing.transformed(turn, corner)]
+        load = Fill(0.3, 2e4, k=0.3).on(Assembly(blocks, [*bridge.fixed.tolist(), False]))
+        assert load.wrench[-1, :3] @ turn[:, 1] == pytest.approx(size, abs=1e-6)
+        assert any(word in one and "wing" in one for one in load.notes)
 
 
 @pytest.mark.parametrize("batter", [0.0, 1e-8, 1e-6, 0.05, 0.3])
@@ -176,14 +217,16 @@ def test_walls_that_lean_a_little_are_pressed_and_turn_no_road(lean: float) -> N
     np.testing.assert_array_equal(Tops.of(walls, load).strips.axes, np.eye(3))
 
 
-def test_slopes_that_fill_presses_from_outside_and_oblique_ends_are_named() -> None:
+def test_outer_slopes_of_gables_are_not_pressed_and_oblique_ends_are_named() -> None:
     turn = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
     gable = prism([(0.0, 1.0), (0.6, 1.0), (0.3, 1.2)], (-4.0, 0.0), "gable").transformed(turn)
     blocks = [box((4.0, 3.0, 1.0), name="slab"), gable]
     blocks.append(gable.transformed(np.eye(3), (0.0, 2.4, 0.0)).renamed("other"))
-    notes = " ".join(Fill(cover=0.1, weight=2e4, k=0.5).on(Assembly(blocks)).notes)
-    assert "slopes of gable, other are pressed from outside" in notes
-    assert "oblique" not in notes
+    load = Fill(cover=0.1, weight=2e4, k=0.5).on(Assembly(blocks))
+    push = 0.5 * 2e4 * 4.0 * (0.3**2 - 0.1**2) / 2.0
+    assert load.wrench[:, 1] == pytest.approx([0.0, -push, push])
+    assert load.wrench[1:, 2] == pytest.approx([-2e4 * 4.0 * 0.6 * 0.2] * 2)
+    assert "oblique" not in " ".join(load.notes)
     wing = prism([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)], (0.0, 2.0), "wing")
     blocks.append(wing.transformed(rotation_about((0, 0, 1), 30.0), (6.0, 1.0, 0.0)))
     notes = " ".join(Fill(cover=0.1, weight=2e4, k=0.5).on(Assembly(blocks)).notes)

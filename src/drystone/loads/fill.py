@@ -16,15 +16,15 @@ import shapely
 
 from drystone.assembly import Assembly
 from drystone.base import units
-from drystone.base.arrays import FARTHEST, SAME, Bools, Floats, Ints, lengths
+from drystone.base.arrays import FARTHEST, SAME, Bools, Floats, lengths
 from drystone.base.display import named
 from drystone.base.errors import InputError, meant
 from drystone.base.settings import Options
 from drystone.base.units import quantity
-from drystone.geometry.frames import AXES, unit
+from drystone.geometry.frames import AXES
 from drystone.loads.case import DOWN, STANDARD_GRAVITY, LoadCase
 from drystone.loads.masses import CarriedMass
-from drystone.loads.placing import SurfaceLoad, filled
+from drystone.loads.placing import SurfaceLoad
 from drystone.loads.seen_strips import SeenStrips, Spots, Traction
 from drystone.supports import select
 
@@ -34,9 +34,8 @@ _SLOPES = 0.1
 """Share by which soffits slope one way more than square to it; of domes with few stones less."""
 _PLUMB = 20.0
 """Slope from which on a face is the side of a bridge. Chosen: no batter and no dome is as steep."""
-_LEANS = 0.1, 0.3, 1.0
-"""Of eyes that see upright faces. Chosen: 1 mm between two blocks takes pressure to 1 cm, by the
-first. Measured: that one sees no more than 0.5 m of 2 m below a coping that juts by 0.15 m."""
+_SLIT = 0.01
+"""Of the breadth of a bridge: into narrower gaps no fill falls. Chosen: joints of 1 cm are open."""
 
 
 @dataclass(frozen=True)
@@ -225,8 +224,8 @@ class Tops:
         Level of the road at ``middle``.
     middle : [m]
         Of the bridge, along the road.
-    battered
-        Sides of a bridge that are seen from above: they lean away from what lies before them.
+    above
+        All that is seen from above, and not only between two places.
     """
 
     assembly: Assembly
@@ -234,7 +233,7 @@ class Tops:
     strips: SeenStrips
     road: float
     middle: float
-    battered: SeenStrips
+    above: SeenStrips
 
     @classmethod
     def of(cls, assembly: Assembly, fill: Fill) -> Self:
@@ -260,11 +259,10 @@ class Tops:
 
     @classmethod
     def _along(cls, assembly: Assembly, fill: Fill, axes: Floats) -> Self:
-        strips = SeenStrips.of(assembly, axes)
+        strips = above = SeenStrips.of(assembly, axes)
         if fill.between is not None:
             strips = strips.across(*fill.between)
-        plumb = _plumb(strips)  # those are seen from beside
-        battered, strips = strips.chosen(plumb), strips.chosen(~plumb)
+        strips = strips.chosen(~_plumb(strips))  # those are seen from beside
         free = ~assembly.fixed[strips.block]
         if not free.any():
             raise InputError(
@@ -272,7 +270,7 @@ class Tops:
             )
         road = float(strips.highest[free].max()) + fill.cover
         middle = 0.5 * float(strips.t[free].min() + strips.t[free].max())
-        return cls(assembly, fill, strips, road, middle, battered)
+        return cls(assembly, fill, strips, road, middle, above)
 
     @property
     def _held(self) -> float:
@@ -280,50 +278,54 @@ class Tops:
 
         That of the side with less, without ``between``: fill is held on both.
         """
-        each = [float(self._beside(way, _LEANS[0]).area.sum()) for way in (2, 3)]
+        each = [float(one.area.sum()) for one in self.beside[2:]]
         return sum(each) if self.fill.between is not None else min(each)
 
     @cached_property
-    def _outside(self) -> Ints:
-        """Blocks with slopes up to 45 degrees that fill presses from outside; refuse steeper ones.
+    def _outside(self) -> Bools:
+        """Which strips look outwards and across where nothing higher holds fill: it only weighs.
 
-        None where ``between`` says where fill is.
+        None where ``between`` says where fill is. Refuse those above 45 degrees and upright faces.
         """
+        outside = np.zeros(len(self.strips.t), dtype=bool)
         if self.fill.between is not None or not max(self.fill.k, self.fill.passive):
-            return np.zeros(0, dtype=np.intp)
+            return outside
         slope = np.abs(self.strips.slope)
         steep = (slope[:, 1] > 1.0 / _PLUMB) & (slope[:, 1] > (1.0 + SAME) * slope[:, 0])
         steep &= self.strips.width.max(axis=1) > _UPRIGHT * self.breadth
-        seen = self.strips.chosen(steep & ~self.assembly.fixed[self.strips.block])
-        axes = self.strips.axes
+        steep &= ~self.assembly.fixed[self.strips.block]
+        seen, (low, high) = self.strips.chosen(steep), self.sides
         out = -np.sign(seen.slope[:, 1])
         half = 0.5 * out[:, None] * seen.width
         near, far = (seen.s - half).mean(axis=1), (seen.s + half).mean(axis=1)
-        faces = [(seen.block, seen.t.mean(axis=1), near, far, seen.r.mean(axis=1), out)]
-        for one, way in zip(self.beside[2:], (1.0, -1.0) * 3, strict=True):
-            t, at, r = (one.middle @ axes.T).T
-            beyond = at + way * _LEANS[0] * self._deep(one.middle)
-            faces.append((one.block, t, at, beyond, r, np.full(len(t), way)))
-        block, t, near, far, r, out = map(np.concatenate, zip(*faces, strict=True))
-        low, high = self.sides
+        t = seen.t.mean(axis=1)
         ends = np.stack([far + out * SAME * self.breadth, out * math.inf], axis=1)
         ends = np.clip(ends, low - self.breadth, high + self.breadth)
-        lines = shapely.linestrings(np.stack([np.stack([t, t], 1), ends], axis=2))
-        face, top = self._plan.query(lines, "intersects")
-        face, top = face[top < len(self.strips.t)], top[top < len(self.strips.t)]
-        held = np.zeros(len(block), dtype=bool)
-        gentle = filled(1.0 / np.abs(seen.slope[:, 1]), len(block)) >= 1.0  # 0 where upright
-        held[face[self.strips.highest[top].max(axis=1) > r[face]]] = True
-        outside, held = block[~held & gentle], held | gentle
-        if not held.all():
-            first = near[~held & (out < 0.0)].max(initial=low)
-            last = near[~held & (out > 0.0)].min(initial=high)
+        line, top = self._plan.query(
+            shapely.linestrings(np.stack([np.stack([t, t], 1), ends], axis=2)), "intersects"
+        )
+        higher = ~_plumb(self.above)[top]
+        higher &= self.above.highest[top].max(axis=1) > seen.r.mean(axis=1)[line]
+        held = np.zeros(len(t), dtype=bool)
+        held[line[higher]] = True
+        outside[steep] = ~held
+        bad = ~held & (np.abs(seen.slope[:, 1]) > 1.0)
+        faces = [(seen.block[bad], near[bad], out[bad])]
+        for way, sign in ((2, 1.0), (3, -1.0)):
+            steps, holds = self._steps[way]
+            one = self._behind(steps.chosen(~holds))
+            at = one.middle @ self.strips.axes[1]
+            faces.append((one.block, at, np.full(len(at), sign)))
+        block, near, out = map(np.concatenate, zip(*faces, strict=True))
+        if len(block):
+            first = near[out < 0.0].max(initial=low)
+            last = near[out > 0.0].min(initial=high)
             step = 10.0 ** math.floor(math.log10(self.breadth) - 3.0)  # of the digits that are told
             inside = math.ceil(first / step - SAME), math.floor(last / step + SAME)
             whole = math.floor(low / step) - 1, math.ceil(high / step) + 1
             each = [f"between={a * step + 0.0:.12g}m:{b * step + 0.0:.12g}m"
                     for a, b in (inside, whole) if a < b]  # fmt: skip
-            names = named([self.assembly.names[i] for i in np.unique(block[~held])], 2)
+            names = named([self.assembly.names[i] for i in np.unique(block)], 2)
             raise InputError(
                 f"it would press {names} from outside, where nothing higher holds it",
                 where="fill",
@@ -395,93 +397,162 @@ class Tops:
         self, vertical: float, horizontal: float
     ) -> Sequence[tuple[SeenStrips, Traction]]:
         """What is pressed by these shares, seen from above and beside, and with what."""
-        seen = self.strips, *(self.beside if horizontal else self.beside[2:])
-        return [(one, self._pressure(one.axes, vertical, horizontal)) for one in seen
+        inside, outside = (self.strips.chosen(self._outside == one) for one in (False, True))
+        beside = self.beside if horizontal else self.beside[2:]
+        each = [(outside, 0.0), *((one, horizontal) for one in (inside, *beside))]
+        return [(one, self._pressure(one.axes, vertical, share)) for one, share in each
                 if len(one.block)]  # fmt: skip
 
     @cached_property
     def beside(self) -> Sequence[SeenStrips]:
-        """Upright faces of free blocks before which fill lies, that look along and across.
+        """Faces of free blocks, hidden from above, that fill presses: along and back, both across.
 
-        Of each block what that eye sees of them that sees most, twice across for each eye.
+        Level before each of them, with no block between, fill is seen from above.
         """
-        each = [self._beside(way, lean) for lean in _LEANS for way in (2, 3)]
-        area = np.zeros((len(self.assembly), len(each)))
-        for seen, total in zip(each, area.T, strict=True):
-            np.add.at(total, seen.block, seen.area)
-        sides = area.reshape(len(area), -1, 2)
-        best = (sides >= (1.0 - SAME) * sides.max(axis=1, keepdims=True)).argmax(axis=1)
-        most = [one.chosen(best[one.block, i % 2] == i // 2) for i, one in enumerate(each)]
-        return [self._beside(0, _LEANS[0]), self._beside(1, _LEANS[0]), *most]
+        return [self._behind(steps) for steps, _ in self._steps]
 
-    def _beside(self, way: int, lean: float) -> SeenStrips:
-        along, aside, up = self.strips.axes
-        ways, ends = np.stack([along, -along, aside, -aside]), way < 2
-        level = ways[way]
-        eye, across = unit(up + lean * level), np.cross(up, level)
-        axes = np.stack([np.cross(across, eye), across, eye])
-
-        def sought(strips: SeenStrips) -> Bools:
-            towards = strips.normal @ np.column_stack([ways.T, up])
-            level = np.round(towards[:, :4], 6)  # of two ways alike the first
-            least, most = -1.0 / _PLUMB, SAME if ends else 1.0 / _PLUMB
-            plumb = (towards[:, 4] > least) & (towards[:, 4] <= most)
-            return plumb & (np.argmax(level, axis=1) == way)
-
-        seen = SeenStrips.of(self.assembly, axes, sought)
-        seen = seen.chosen(~self.assembly.fixed[seen.block])
-        if ends:
-            return self._below_road(seen.across(*np.sort((across @ aside) * self._sides)))
-        places = np.unique(self.strips.t)
-        places = places[np.diff(places, prepend=-np.inf) > SAME * self.breadth]
-        edges = np.sort((across @ along) * np.array([-FARTHEST, *places, FARTHEST]))
-        seen = self._below_road(seen.across(*edges))
-        # is what is before it lower, or covered only by what juts out less than the eye leans?
-        near = (seen.middle + SAME * self.breadth * level) @ self.strips.axes.T
-        clear = near[:, 1] + (level @ aside) * lean * self._deep(seen.middle)
-        some = self._lower(near) | self._lower(np.column_stack([near[:, 0], clear, near[:, 2]]))
-        sides = self._sides
-        return seen.chosen(some & (near[:, 1] > sides[0]) & (near[:, 1] < sides[1]))
-
-    def _below_road(self, seen: SeenStrips) -> SeenStrips:
-        """Strips cut at the road, above which nothing presses."""
+    def _behind(self, steps: SeenStrips) -> SeenStrips:
+        """What of free blocks is nearest behind steps, below the road, and looks most that way."""
+        faces = SeenStrips.all_of(self.assembly, steps.axes)
+        seen = steps.behind(faces, SAME * self.breadth)
+        seen = seen.chosen(~self.assembly.fixed[seen.block] & self._looks(seen))
         ends = np.stack([seen.t, seen.s, seen.r], axis=2) @ seen.axes
-        above = self.level(ends @ self.strips.axes[0]) - ends[..., 2]
-        return seen.parted(above, SAME * self.breadth)[0]
+        road = self.level(ends @ self.strips.axes[0])
+        return seen.limited(np.full(road.shape, -FARTHEST), road)
 
-    @property
+    def _looks(self, seen: SeenStrips) -> Bools:
+        """Which of some look most towards the eye, of the two ways along and the two across."""
+        along, aside, _ = self.strips.axes
+        ways = np.column_stack([along, -along, aside, -aside])
+        level = np.round(seen.normal @ ways, 6)  # of two ways alike the first
+        return np.asarray(np.argmax(level, axis=1) == np.argmax(seen.axes[2] @ ways))
+
+    @cached_property
+    def _steps(self) -> Sequence[tuple[SeenStrips, Bools]]:
+        """Upright openings through which fill borders on what is higher, along and both across.
+
+        With them comes whether, across, something as high stands beyond the fill.
+        """
+        ends, sides = self._every_step[:2], self._every_step[2:]
+        aside, least = self.strips.axes[1], SAME * self.breadth
+        found = []
+        for steps, held in ends:
+            part = steps.within(*np.sort((steps.axes[0] @ aside) * self._sides).tolist())
+            found.append((part, held[: len(part.t)]))
+        for steps, held in sides:
+            low, high = np.sort((steps.axes[2] @ aside) * self._sides)
+            near = steps.r.mean(axis=1) + least
+            some = (near > low) & (near < high)
+            found.append((steps.chosen(some), held[some]))
+        return found
+
+    @cached_property
+    def _every_step(self) -> Sequence[tuple[SeenStrips, Bools]]:
+        along, aside, up = self.strips.axes
+        ahead = SeenStrips.of(self.assembly, np.stack([-aside, along, up]))
+        plans = ahead, ahead.turned(), self.above, self.above.turned()
+        return [self._stepped(plan, i < 2) for i, plan in enumerate(plans)]
+
+    def _stepped(self, plan: SeenStrips, at_ends: bool) -> tuple[SeenStrips, Bools]:
+        """Where strips are higher than the next along s, and where they end without a next."""
+        least, slit = SAME * self.breadth, _SLIT * self.breadth
+        t = plan.t.mean(axis=1)
+        order = np.argsort(t, kind="stable")
+        band = np.empty(len(t), dtype=np.intp)
+        band[order] = np.cumsum(np.diff(t[order], prepend=t.min()) > least)
+        order = np.lexsort((plan.s.mean(axis=1), band))
+        plan, band = plan.chosen(order), band[order]
+        low, high = plan.s - 0.5 * plan.width, plan.s + 0.5 * plan.width
+        half = 0.5 * plan.slope[:, 1:] * plan.width
+        first, last = plan.r - half, plan.r + half
+        follows = np.diff(band) == 0
+        follows &= (low[1:] - high[:-1]).mean(axis=1) <= slit
+        chain = np.cumsum(np.append(False, ~follows))
+        clear = _plumb(plan) & (not at_ends)
+        deep = ((last[:-1] - first[1:]).mean(axis=1) > slit)[:-1] & follows[:-1]
+        deep &= ((first[1:] - last[:-1]).mean(axis=1) > slit)[1:] & follows[1:]
+        clear[1:-1] |= deep & (plan.width.max(axis=1) <= slit)[1:-1]
+        one = np.flatnonzero(~clear)
+        other = np.append(one[1:], one[-1:])
+        goes_on = (one != other) & (chain[one] == chain[other])
+        beyond = high[one].mean(axis=1) > self.middle * (plan.axes[1] @ self.strips.axes[0])
+        ended = at_ends & beyond & ((one == other) | (band[one] != band[other]))
+        corner = [b.vertices @ plan.axes.T for b in self.assembly.blocks]
+        box = np.array([(each.min(axis=0), each.max(axis=0)) for each in corner])
+        edge = np.stack([plan.t[one].mean(axis=1), high[one].mean(axis=1) - slit], axis=1)
+        over = ((box[:, 0, :2] <= edge[:, None]) & (edge[:, None] <= box[:, 1, :2])).all(axis=2)
+        foot = np.where(over, box[:, 0, 2], np.inf).min(axis=1)  # fill beyond the ends goes so deep
+        floor = np.where(goes_on[:, None], first[other], foot[:, None])
+        edge = np.where(goes_on[:, None], low[other], high[one])
+        rise = last[one] - floor
+        apart = 2.0 * np.ptp(self.assembly.bounds[..., 2]) * band
+        most = np.maximum.accumulate((plan.highest.max(axis=1) - apart)[::-1])[::-1] + apart
+        held = most[other] > (0.5 * (last[one] + floor)).mean(axis=1)
+        turn = np.array([[-1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, 1.0, 0.0]])
+        t, s, width, r = (x[:, ::-1] for x in (-plan.t[one], 0.5 * (last[one] + floor), rise, edge))
+        steps = SeenStrips(turn @ plan.axes, plan.block[one], t, s, width, r, 0.0 * plan.slope[one])
+        steps, whose = steps.parted(rise[:, ::-1], least)
+        some = (steps.width.mean(axis=1) > least) & (goes_on | ended)[whose]
+        return steps.chosen(some), held[whose[some]]
+
+    @cached_property
     def _sides(self) -> Floats:
-        return self.sides if self.fill.between is None else np.array(self.fill.between)
+        """Places (2,) [m] across between which fill lies: as given, or the sides of free blocks.
 
-    def _lower(self, at: Floats) -> Bools:
-        """Whether there is a top or a battered face below points (m, 3) [m] along the axes."""
-        seen = self.strips._and([self.battered])
+        Where these hold none, one free wall may do, with fixed blocks as high on one side.
+        """
+        if self.fill.between is not None:
+            return np.array(self.fill.between)
+        held, aside = np.zeros(3, dtype=bool), self.strips.axes[1]
+        for steps, holds in self._every_step[2:]:
+            free = holds & ~self.assembly.fixed[steps.block]
+            near = (steps.r.mean(axis=1) + SAME * self.breadth) * (steps.axes[2] @ aside)
+            held[np.searchsorted(self.sides, near[free])] = True
+        far = held & (held.sum() == 1) & ~np.array([False, True, False])
+        return self.sides + FARTHEST * (1.0 * far[2] * np.array([0, 1]) - far[0] * np.array([1, 0]))
+
+    def _covered(self, at: Floats) -> Bools:
+        """Whether there is a block above points (m, 3) [m] along the axes."""
         point, top = self._plan.query(shapely.points(at[:, :2]), "intersects")
         found = np.zeros(len(at), dtype=bool)
-        each, x, y = seen.chosen(top), *at[point, :2].T
+        each, x, y = self.above.chosen(top), *at[point, :2].T
         share = ((x - each.t[:, 0]) / np.ptp(each.t, axis=1))[:, None]
         s, r = (one[:, 0] + (share * np.diff(one))[:, 0] for one in (each.s, each.r))
-        found[point[r + each.slope[:, 1] * (y - s) < at[point, 2]]] = True
+        found[point[r + each.slope[:, 1] * (y - s) > at[point, 2]]] = True
         return found
 
     @cached_property
     def _plan(self) -> shapely.STRtree:
-        """Outlines of the strips, then of the battered ones."""
-        seen = self.strips._and([self.battered])
-        t, s, width = seen.t, seen.s, seen.width
+        """Outlines of all that is seen from above."""
+        t, s, width = self.above.t, self.above.s, self.above.width
         low, high = s - 0.5 * width, s + 0.5 * width
         corner = np.concatenate([np.stack([t, low], 2), np.stack([t, high], 2)[:, ::-1]], axis=1)
         return shapely.STRtree(shapely.polygons(corner))
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """On which upright faces it acts."""
+        """Which upright faces it presses, and which not."""
         if not max(self.fill.k, self.fill.passive):
             return ()
-        aside = self.strips.axes[1]
-        skew = [one.block[np.abs(one.normal @ aside) > _LEANS[0]] for one in self.beside[:2]]
-        below = [one.block for one in self.beside[4:]]
-        several = ([one.block for one in self.beside], skew, [self._outside], below)
+        axes, slit = self.strips.axes, _SLIT * self.breadth
+        middle = 0.5 * (self.above.s.min() + self.above.s.max())
+        skew, below, bare = [], [], []
+        for way, seen in enumerate(self.beside):
+            eye = seen.axes[2]
+            below.append(seen.block[self._covered((seen.middle + slit * eye) @ axes.T)])
+            if way < 2:
+                skew.append(seen.block[np.abs(seen.normal @ axes[1]) > 1.0 / _PLUMB])
+            every = SeenStrips.all_of(self.assembly, seen.axes)
+            away = (every.middle @ axes.T - [self.middle, middle, 0.0]) @ axes @ eye
+            held = away > 0.0 if way < 2 else away < 0.0
+            held &= (np.abs(every.normal[:, 2]) <= 1.0 / _PLUMB) & self._looks(every)
+            every = every.chosen(held & ~self.assembly.fixed[every.block])
+            near = (every.middle + slit * eye) @ axes.T
+            open_ = ~self._covered(near) & (near[:, 2] < self.level(near[:, 0]))
+            if way < 2:
+                open_ &= (near[:, 1] > self._sides[0]) & (near[:, 1] < self._sides[1])
+            bare.append(np.setdiff1d(every.block[open_], seen.block))
+        several = ([one.block for one in self.beside], skew, below, bare)
         each = (
             named([self.assembly.names[i] for i in np.unique(np.concatenate(some))], 2)
             for some in several
@@ -489,8 +560,9 @@ class Tops:
         words = (
             "fill acts on upright faces of {}, also at the ends, as if the road went on",
             "oblique faces of {} are pressed as ends of the road: check wings by hand",
-            "slopes of {} are pressed from outside, where nothing higher holds fill: say 'between'",
-            "faces of {} below what juts out are pressed only in part: check them by hand",
+            "fill below what juts out presses {}; its weight there is left out",
+            "no fill is seen before upright faces of {}: it does not press them; see 'between', or "
+            "check them by hand",
         )
         return tuple(told.format(names) for told, names in zip(words, each, strict=True) if names)
 
