@@ -130,13 +130,17 @@ def test_fill_presses_steps_and_walls_beside_it_but_not_what_is_covered_or_outsi
 def test_fill_presses_walls_below_copings_that_jut_over_it_and_tells_what_it_leaves(
     wide: float, jut: float
 ) -> None:
-    """Walls of 2 m below copings of 0.3 m; also where 0.2 m between these is all that is open."""
+    """Walls of 2 m below copings of 0.3 m, from as far below the tops of these as they jut out.
+
+    The second is open by 0.2 m between the copings.
+    """
     blocks = [box((6.0, wide + 1.0, 0.5), (0.0, 0.0, -0.5), "deck")]
     for z, high, across in ((0.0, 2.0, 0.5), (2.0, 0.3, 0.5 + jut)):
         places = (0.0, wide + 1.0 - across)
         blocks += [box((6.0, across, high), (0.0, y, z), f"{z:g} at {y:g}") for y in places]
     load = Fill(cover=0.2, weight=2e4, k=0.4).on(Assembly(blocks).with_fixed(["deck"]))
-    push, top = (0.4 * 2e4 * 6.0 / 2.0 * (a**2 - b**2) for a, b in ((2.5, 0.5), (0.5, 0.2)))
+    deep = (2.5, max(0.5, 0.2 + jut)), (0.5, 0.2)
+    push, top = (0.4 * 2e4 * 6.0 / 2.0 * (a**2 - b**2) for a, b in deep)
     assert load.wrench[1:, 1] == pytest.approx([-push, push, -top, top])
     (told,) = load.notes[1:]
     assert told.startswith("fill below what juts out presses 0 at 0, 0 at ")
@@ -273,9 +277,11 @@ def test_a_spandrel_wall_is_pressed_above_the_arch_and_below_the_road(
     assert push[:, 1] == pytest.approx(0.4 * 2e4 * each.sum() * np.array([-1.0, 1.0]), rel=1e-3)
 
 
-@pytest.mark.parametrize("batter", [0.0, 0.02, 0.045])
-def test_a_battered_wall_over_an_extrados_that_slopes_is_pressed_up_to_the_road(batter: float):
-    """K w h^2 / 2 of 1 m of slope 0.5; near the road the foot is farther away than 0.1 h."""
+@pytest.mark.parametrize(("batter", "cover"), [(0.0, 0.1), (0.02, 0.1), (0.045, 0.1), (0.045, 2.0)])
+def test_a_battered_wall_over_an_extrados_that_slopes_is_pressed_up_to_the_road(
+    batter: float, cover: float
+) -> None:
+    """K w h^2 / 2 of 1 m of slope 0.5, to the road or to the top; its foot is farther away."""
 
     def moved(made: Block, top: float, face: float) -> Block:
         x, y, z = made.vertices.T
@@ -286,9 +292,10 @@ def test_a_battered_wall_over_an_extrados_that_slopes_is_pressed_up_to_the_road(
     deck = moved(box((1.0, 4.0, 1.0), (0.0, 0.0, -1.0), "deck"), 0.0, 9.0)
     south = moved(box((1.0, 0.4, 1.0), (0.0, 0.0, 0.0), "south"), 1.9, 0.4)
     north = moved(box((1.0, 0.4, 1.0), (0.0, 3.6, 0.0), "north"), 1.9, 3.6)
-    fill = Fill(cover=0.1, weight=2e4, k=0.3, between=(0.4, 3.6))
+    fill = Fill(cover, weight=2e4, k=0.3, between=(0.4, 3.6))
     push = fill.on(Assembly([deck, south, north])).wrench[1:, 1]
-    outwards = 0.3 * 2e4 * (0.6**3 - 0.1**3) / (6.0 * 0.5)
+    above = max(cover + 0.5 - 1.9, 0.0)
+    outwards = 0.3 * 2e4 * (((cover + 0.5) ** 3 - cover**3) / 1.5 - above**2) / 2.0
     assert push == pytest.approx([-outwards, outwards])
 
 

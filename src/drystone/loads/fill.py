@@ -477,12 +477,8 @@ class Tops:
         goes_on = (one != other) & (chain[one] == chain[other])
         beyond = high[one].mean(axis=1) > self.middle * (plan.axes[1] @ self.strips.axes[0])
         ended = at_ends & beyond & ((one == other) | (band[one] != band[other]))
-        corner = [b.vertices @ plan.axes.T for b in self.assembly.blocks]
-        box = np.array([(each.min(axis=0), each.max(axis=0)) for each in corner])
-        edge = np.stack([plan.t[one].mean(axis=1), high[one].mean(axis=1) - slit], axis=1)
-        over = ((box[:, 0, :2] <= edge[:, None]) & (edge[:, None] <= box[:, 1, :2])).all(axis=2)
-        foot = np.where(over, box[:, 0, 2], np.inf).min(axis=1)  # fill beyond the ends goes so deep
-        floor = np.where(goes_on[:, None], first[other], foot[:, None])
+        foot = self.assembly.bounds[..., 2].min()
+        floor = np.where(goes_on[:, None], first[other], foot)
         edge = np.where(goes_on[:, None], low[other], high[one])
         rise = last[one] - floor
         apart = 2.0 * np.ptp(self.assembly.bounds[..., 2]) * band

@@ -126,12 +126,12 @@ class SeenStrips(OneLine):
         return _visible(made._joined(), least)
 
     def behind(self, faces: SeenStrips, least: float) -> SeenStrips:
-        """What is nearest behind openings, each seen from itself.
+        """What is nearest behind openings, each seen from itself: no farther than below its top.
 
         Parameters
         ----------
         faces
-            All that look towards the eye, along the same axes.
+            All that look towards the eye, along the same axes, of which s is up.
         least : [m]
             Of which faces may lie before an opening.
         """
@@ -139,29 +139,23 @@ class SeenStrips(OneLine):
         places = places[np.diff(places, prepend=-np.inf) > least]
         opening, faces = self.cut_at(places), faces.cut_at(places)
         opening = opening.chosen(np.ptp(opening.t, axis=1) > least)
-        order = np.argsort(opening.t.mean(axis=1), kind="stable")
-        opening = opening.chosen(order)
+        opening = opening.chosen(np.argsort(opening.t.mean(axis=1), kind="stable"))
         band = np.searchsorted(places, opening.t.mean(axis=1))
         rank = np.arange(len(band)) - np.searchsorted(band, band)
         found = []
         for k in range(int(rank.max(initial=-1)) + 1):
             here = np.full(len(places) + 1, -1)
             here[band[rank == k]] = np.flatnonzero(rank == k)
-            one = here[np.searchsorted(places, faces.t.mean(axis=1))]
-            some, one = faces.chosen(one >= 0), one[one >= 0]
-            ends = [opening._at(some.t, one, half) for half in (-0.5, 0.5)]
-            some = some.limited(*ends)
-            one = here[np.searchsorted(places, some.t.mean(axis=1))]
-            share = (some.t.mean(axis=1) - opening.t[one, 0]) / np.ptp(opening.t[one], axis=1)
-            eye = opening.r[one, 0] + share * np.diff(opening.r[one])[:, 0]
+            which = here[np.searchsorted(places, faces.t.mean(axis=1))]
+            some = faces.chosen(which >= 0)
+            one = opening.chosen(which[which >= 0])._between(*some.t.T)
+            juts = np.maximum(one.r - some.r, 0.0) * (some.slope[:, 1:] > -SAME)  # no batter does
+            high = one.s + 0.5 * one.width - juts
+            some = some.limited(one.s - 0.5 * one.width, high)
+            one = opening.chosen(here[np.searchsorted(places, some.t.mean(axis=1))])
+            eye = one._between(*some.t.T).r.mean(axis=1)
             found.append(some.chosen(some.r.mean(axis=1) <= eye + least)._nearest(least))
         return opening.chosen(np.zeros(0, dtype=np.intp))._and(found)
-
-    def _at(self, t: Floats, which: Ints, half: float) -> Floats:
-        """Sides (p, 2) [m] of some at places (p, 2)."""
-        side = (self.s + half * self.width)[which]
-        start, long = self.t[which, :1], np.diff(self.t[which])
-        return np.asarray(side[:, :1] + (t - start) / long * np.diff(side))
 
     def turned(self) -> SeenStrips:
         """The same, with the first two axes the other way."""
