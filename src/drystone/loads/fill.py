@@ -287,39 +287,22 @@ class Tops:
 
         None where ``between`` says where fill is. Refuse those above 45 degrees and upright faces.
         """
-        outside = np.zeros(len(self.strips.t), dtype=bool)
         if self.fill.between is not None or not max(self.fill.k, self.fill.passive):
-            return outside
-        slope = np.abs(self.strips.slope)
-        steep = (slope[:, 1] > 1.0 / _PLUMB) & (slope[:, 1] > (1.0 + SAME) * slope[:, 0])
-        steep &= self.strips.width.max(axis=1) > _UPRIGHT * self.breadth
-        steep &= ~self.assembly.fixed[self.strips.block]
-        seen, (low, high) = self.strips.chosen(steep), self.sides
-        out = -np.sign(seen.slope[:, 1])
-        half = 0.5 * out[:, None] * seen.width
-        near, far = (seen.s - half).mean(axis=1), (seen.s + half).mean(axis=1)
-        t = seen.t.mean(axis=1)
-        ends = np.stack([far + out * SAME * self.breadth, out * math.inf], axis=1)
-        ends = np.clip(ends, low - self.breadth, high + self.breadth)
-        line, top = self._plan.query(
-            shapely.linestrings(np.stack([np.stack([t, t], 1), ends], axis=2)), "intersects"
-        )
-        higher = ~_plumb(self.above)[top]
-        higher &= self.above.highest[top].max(axis=1) > seen.r.mean(axis=1)[line]
-        held = np.zeros(len(t), dtype=bool)
-        held[line[higher]] = True
-        outside[steep] = ~held
-        bad = ~held & (np.abs(seen.slope[:, 1]) > 1.0)
-        faces = [(seen.block[bad], near[bad], out[bad])]
-        for way, sign in ((2, 1.0), (3, -1.0)):
-            steps, holds = self._steps[way]
-            one = self._behind(steps.chosen(~holds))
-            at = one.middle @ self.strips.axes[1]
-            faces.append((one.block, at, np.full(len(at), sign)))
-        block, near, out = map(np.concatenate, zip(*faces, strict=True))
+            return np.zeros(len(self.strips.t), dtype=bool)
+        plans, (low, high) = (self.above, self.above.turned()), self.sides
+        slopes, blocks, ends = [], [], []
+        for plan, (steps, held) in zip(plans, self._steps[2:], strict=True):
+            slope = -plan.slope[:, 1]
+            steep = (slope > 1.0 / _PLUMB) & (slope > (1.0 + SAME) * np.abs(plan.slope[:, 0]))
+            steep &= (plan.width.max(axis=1) > _UPRIGHT * self.breadth) & ~_plumb(plan)
+            steep &= ~self.assembly.fixed[plan.block] & (plan.beyond <= plan.r.mean(axis=1))
+            slopes.append(steep)
+            bad, faces = plan.chosen(steep & (slope > 1.0)), self._behind(steps.chosen(~held))
+            blocks += [bad.block, faces.block]
+            near = (bad.s - 0.5 * bad.width).mean(axis=1), faces.middle @ plan.axes[1]
+            ends.append(np.concatenate(near).min(initial=high if plan is self.above else -low))
+        block, first, last = np.concatenate(blocks), -ends[1], ends[0]
         if len(block):
-            first = near[out < 0.0].max(initial=low)
-            last = near[out > 0.0].min(initial=high)
             step = 10.0 ** math.floor(math.log10(self.breadth) - 3.0)  # of the digits that are told
             inside = math.ceil(first / step - SAME), math.floor(last / step + SAME)
             whole = math.floor(low / step) - 1, math.ceil(high / step) + 1
@@ -331,7 +314,7 @@ class Tops:
                 where="fill",
                 remedy=f"say where it lies, {' or, on all tops, '.join(each)}",
             )
-        return outside
+        return (slopes[0] | slopes[1][::-1])[~_plumb(self.above)]
 
     def level(self, x: Floats) -> Floats:
         """Of the road [m] at places along it."""
@@ -433,17 +416,16 @@ class Tops:
 
         With them comes whether, across, something as high stands beyond the fill.
         """
-        ends, sides = self._every_step[:2], self._every_step[2:]
-        aside, least = self.strips.axes[1], SAME * self.breadth
-        found = []
-        for steps, held in ends:
-            part = steps.within(*np.sort((steps.axes[0] @ aside) * self._sides).tolist())
-            found.append((part, held[: len(part.t)]))
-        for steps, held in sides:
-            low, high = np.sort((steps.axes[2] @ aside) * self._sides)
-            near = steps.r.mean(axis=1) + least
-            some = (near > low) & (near < high)
-            found.append((steps.chosen(some), held[some]))
+        aside, least, found = self.strips.axes[1], SAME * self.breadth, []
+        for way, (steps, held) in enumerate(self._every_step):
+            low, high = np.sort((steps.axes[0 if way < 2 else 2] @ aside) * self._sides)
+            if way < 2:
+                part, _ = steps.within(np.array([low]), np.array([high]))
+                found.append((part, np.ones(len(part.t), dtype=bool)))
+            else:
+                near = steps.r.mean(axis=1) + least
+                some = (near > low) & (near < high)
+                found.append((steps.chosen(some), held[some]))
         return found
 
     @cached_property
@@ -456,12 +438,7 @@ class Tops:
     def _stepped(self, plan: SeenStrips, at_ends: bool) -> tuple[SeenStrips, Bools]:
         """Where strips are higher than the next along s, and where they end without a next."""
         least, slit = SAME * self.breadth, _SLIT * self.breadth
-        t = plan.t.mean(axis=1)
-        order = np.argsort(t, kind="stable")
-        band = np.empty(len(t), dtype=np.intp)
-        band[order] = np.cumsum(np.diff(t[order], prepend=t.min()) > least)
-        order = np.lexsort((plan.s.mean(axis=1), band))
-        plan, band = plan.chosen(order), band[order]
+        band = plan.band
         low, high = plan.s - 0.5 * plan.width, plan.s + 0.5 * plan.width
         half = 0.5 * plan.slope[:, 1:] * plan.width
         first, last = plan.r - half, plan.r + half
@@ -477,13 +454,11 @@ class Tops:
         goes_on = (one != other) & (chain[one] == chain[other])
         beyond = high[one].mean(axis=1) > self.middle * (plan.axes[1] @ self.strips.axes[0])
         ended = at_ends & beyond & ((one == other) | (band[one] != band[other]))
-        foot = self.assembly.bounds[..., 2].min()
-        floor = np.where(goes_on[:, None], first[other], foot)
+        floor = np.where(goes_on[:, None], first[other], self.assembly.bounds[..., 2].min())
         edge = np.where(goes_on[:, None], low[other], high[one])
         rise = last[one] - floor
-        apart = 2.0 * np.ptp(self.assembly.bounds[..., 2]) * band
-        most = np.maximum.accumulate((plan.highest.max(axis=1) - apart)[::-1])[::-1] + apart
-        held = most[other] > (0.5 * (last[one] + floor)).mean(axis=1)
+        most = np.maximum(plan.beyond, plan.highest.max(axis=1))[other]
+        held = most > (0.5 * (last[one] + floor)).mean(axis=1)
         turn = np.array([[-1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, 1.0, 0.0]])
         t, s, width, r = (x[:, ::-1] for x in (-plan.t[one], 0.5 * (last[one] + floor), rise, edge))
         steps = SeenStrips(turn @ plan.axes, plan.block[one], t, s, width, r, 0.0 * plan.slope[one])
