@@ -31,6 +31,8 @@ TOLERANCE = 1e-3
 """Largest closing speed of a joint, relative to the size of the motion: 0.06 degrees for a
 translation. Above the rounding of CAD files and well below any intended taper."""
 
+FACING = 0.7
+"""Cosine above which a face looks in a direction: 45 degrees, chosen."""
 OPEN = 0.1
 """Least length of a projection that is not rounding. If the cone contains a motion, one of its six
 components is at least 0.4, so some unit twist has a projection of at least 0.4."""
@@ -308,7 +310,7 @@ def face_at(
     normal = np.array([_outward(loop) for loop in corners])
     away = np.abs((np.array([loop[0] - point for loop in corners]) * normal).sum(axis=1))
     if towards is not None:
-        fits = normal @ towards > 0.7
+        fits = normal @ towards > FACING
         away = np.where(fits, away, np.inf) if fits.any() else away
     face = int(np.argmin(away))
     x, y, z = (normal[face].round(6) + 0.0).tolist()

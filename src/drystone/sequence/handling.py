@@ -16,8 +16,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation, Slerp
 
 from drystone.answer import Answer, Question, Role, Scene, Sentence, plain
-from drystone.assembly import Block
-from drystone.base.arrays import Bools, Floats
+from drystone.assembly import Assembly, Block
+from drystone.base.arrays import Bools, Floats, dot
 from drystone.base.display import OneLine, named
 from drystone.base.errors import counted
 from drystone.base.files import PathLike, write_text
@@ -25,8 +25,9 @@ from drystone.base.progress import Clock, LongWork
 from drystone.base.settings import checked_call
 from drystone.base.table import Table
 from drystone.base.workers import WorkerPool
+from drystone.detection.patches import patches_of
 from drystone.model import Model
-from drystone.sequence.freedom import Joints, face_at
+from drystone.sequence.freedom import FACING, Joints
 from drystone.sequence.margins import Margin, Margins
 from drystone.sequence.path_search import NoPath, PathFinder, PathOptions, RemovalPath
 from drystone.sequence.plan_steps import assigned
@@ -51,7 +52,7 @@ class GripFace(OneLine):
     Attributes
     ----------
     face
-        Position in ``block.faces``.
+        Position in ``block.faces``; the first of those that lie in one plane, as triangles do.
     centre : (3,) [m]
     normal : (3,) unit
         Outward. Both in the frame of the block.
@@ -67,26 +68,27 @@ class GripFace(OneLine):
 def grip_faces(body: Block, joints: Joints) -> list[GripFace]:
     """Faces of a block without any of the given joints, the largest first.
 
+    Neighbours in one plane are one face.
+
     Parameters
     ----------
     body
     joints
         With the blocks that are in place.
     """
-    covered = np.zeros(len(body.faces))
+    flat = patches_of(Assembly((body,)))
+    covered = np.zeros(flat.count)
     for joint in range(len(joints.other)):
         corner = joints.corner[joints.interface == joint]
-        face, _ = face_at(body, corner.mean(axis=0), -joints.normal[joint])
+        away = np.abs(dot(corner.mean(axis=0) - flat.origin - flat.centre, flat.normal))
+        away[flat.normal @ joints.normal[joint] > -FACING] = np.inf
         area = np.cross(corner[1:-1] - corner[0], corner[2:] - corner[0]).sum(axis=0)
-        covered[face] += max(0.5 * float(np.linalg.norm(area)), 1e-300)
-    found = []
-    for face, loop in enumerate(body.faces):
-        corner = body.vertices[list(loop)]
-        vector = 0.5 * np.cross(corner[1:-1] - corner[0], corner[2:] - corner[0]).sum(axis=0)
-        area = float(np.linalg.norm(vector))
-        if covered[face] <= COVERED * area and area > 0.0:
-            centre = corner.mean(axis=0) - body.centroid
-            found.append(GripFace(face, centre, vector / area, area))
+        covered[np.argmin(away)] += max(0.5 * float(np.linalg.norm(area)), 1e-300)
+    centre = flat.centre + flat.origin - body.centroid
+    found = [
+        GripFace(int(flat.face[i]), centre[i], flat.normal[i], float(flat.area[i]))
+        for i in np.flatnonzero((covered <= COVERED * flat.area) & (flat.area > 0.0))
+    ]
     return sorted(found, key=lambda one: -one.area)
 
 

@@ -9,9 +9,9 @@ import pytest
 
 from drystone import InputError, Model, Structure, Verdict, plan
 from drystone.answer import Role, State
-from drystone.assembly import Assembly
+from drystone.assembly import Assembly, replace_block
 from drystone.base.display import rounded_up
-from drystone.models import arch, bayonet, bridge, corbelled_bridge, tower, wall
+from drystone.models import arch, bayonet, box, bridge, corbelled_bridge, tower, wall
 from drystone.sequence import (
     PlanOptions,
     Robot,
@@ -183,6 +183,22 @@ def test_a_block_on_a_tower_is_gripped_at_all_but_its_bottom():
     assert all(grip.normal[2] > -0.5 for grip in grips)
     (top,) = handling(plan(tower(2))).placements
     assert [round(width, 9) for _, _, width in top.pairs] == [1.0, 1.0]
+
+
+def test_triangles_in_one_plane_are_gripped_as_one_face():
+    def work_of(shape):
+        return handling(plan(Model.of(Assembly((box((1.0, 1.0, 0.1)), shape), [True, False]))))
+
+    lintel = box((0.12, 0.06, 0.04), (0.3, 0.3, 0.1), name="lintel")
+    halves = [half for a, b, c, d in lintel.faces for half in ((a, b, c), (a, c, d))]
+    (one,), (other,) = (
+        work_of(replace_block(lintel, faces=faces)).placements
+        for faces in (lintel.faces, tuple(halves))
+    )
+    assert len(other.grips) == 5
+    for grip, same in zip(other.grips, one.grips, strict=True):
+        np.testing.assert_allclose(grip.centre, same.centre, atol=1e-12)
+    np.testing.assert_allclose(other.pairs, one.pairs, atol=1e-12)
 
 
 def test_held_blocks_have_a_hold_until_their_partner_is_in():
