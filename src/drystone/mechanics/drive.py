@@ -258,7 +258,7 @@ class Driver(Follower):
                     held += 1
                     stalled, at = stalled + 1 if self.reached == at else 1, self.reached
                     lost = held > HOLDS or stalled > STALLED
-                    ended = Ended.LOST if lost else self._let_go()
+                    ended = Ended.LOST if lost else self._let_go(first if stalled > 1 else 0.0)
                     if ended is not Ended.RESTS:
                         return ended
                     if done():  # the load fell at once, through zero
@@ -282,8 +282,17 @@ class Driver(Follower):
                 step *= min(2.0, 0.9 * limit / max(longest, 1e-300))
         return Ended.REACHED
 
-    def _let_go(self) -> Ended:
-        """Hold what drives, and let the blocks come to rest again or fall."""
+    def _let_go(self, nudge: float) -> Ended:
+        """Hold what drives, and let the blocks come to rest again or fall.
+
+        A load that grows pushes them by ``nudge`` first: where they balance and would not stay,
+        they are still there otherwise.
+        """
+        if nudge and self.grown is not None:
+            self.drag = HELD_BACK / nudge
+            found, _ = self.increment(distance=nudge)
+            if found is not None:
+                self.accept(found)
         self.base, self.drag, self.guess = self.pose, self.first, None
         self.farthest, self.stretch, self.soft = 0.0, 1.0, self._springs()
         ended = self.to_rest()

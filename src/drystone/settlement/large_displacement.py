@@ -322,6 +322,8 @@ def _said(found: LargeDisplacement, driver: Driver) -> str:
     load = _plain(found)
     last = load[-1]
     peak = f"at most {load.max():.4g}{unit}"
+    if found.drive is Drive.LOAD:  # blocks that jam may carry more than what set them in motion
+        peak += f" at {quantity(float(found.displacement[load.argmax()]), 'm')}"
     if found.drive is Drive.SUPPORTS and load.min() < 0.0:
         peak = f"from {load.min():.4g} to {load.max():.4g}{unit}"
     if found.capacity is not None and found.end is End.SPENT:

@@ -74,6 +74,21 @@ def test_a_push_ends_where_the_block_that_moves_farthest_has_gone_so_far() -> No
     assert "followed until 'slides' had moved by 20 mm" in found.message
 
 
+def test_a_push_goes_on_where_blocks_balance_and_would_not_stay() -> None:
+    """A wall turns and pushes a plate w along a shelf, and presses it down by friction f.
+
+    (f - a) w / (1 - f^2) slides it: 72 (1.5 a - 0.25) = 3 (f - a) 15 / (1 - f^2), a = 2/7.
+    """
+    blocks = [box((9, 2, 1), (-1, 0, -1), "base"), box((4, 2, 2.5), (2, 0, 0), "shelf")]
+    blocks += [box((0.5, 2, 3), (0, 0, 0), "wall", density=2400.0)]
+    blocks += [box((3, 2, 0.5), (0.5, 0, 2.5), "plate", density=500.0)]
+    model = Model.of(Assembly(blocks).with_fixed(["base", "shelf"]), friction=0.5)
+    found = push(model, to=1e-3)
+    assert found.end is End.REACHED
+    assert found.peak == pytest.approx(2.0 / 7.0, rel=1e-3)
+    assert "at most 0.2855 at 56" in found.message
+
+
 def test_two_blocks_rock_as_one_where_friction_holds_them_together() -> None:
     found = push(stack(2), friction=1.0)
     alpha = float(np.arctan(0.25))
@@ -221,7 +236,7 @@ def test_it_ends_early_and_says_so() -> None:
     assert 2 < len(some.displacement) < 60
     few = push(stack(1), friction=1.0, options=SettlementOptions(step_limit=40))
     assert few.stopped == "40 steps were made"
-    assert few.title == f"Push, ended early: at most {few.peak:.4g}"
+    assert few.title == f"Push, ended early: at most {few.peak:.4g} at 16.1 µm"
     assert f"followed to {quantity(few.displacement[-1], 'm')}, where" in few.message
     told: list[tuple[str, int, int]] = []
     push(stack(1), friction=0.3, to=0.01, progress=lambda *one: told.append(one))
