@@ -151,7 +151,7 @@ class PartSolver(OneLine):
         resting = self.structure.assembly.fixed[blocks] | np.isin(blocks, fixed)
         some = Assembly(tuple(self.structure.assembly.blocks[b] for b in blocks.tolist()), resting)
         contacts, chosen = self._contacts_of(blocks, resting)
-        load = LoadCase(self.structure.load.wrench[blocks], self.structure.load.name)
+        load = self.structure.load.of_blocks(blocks)
         part = Model(some, contacts, load, ends=self.structure.model.ends)
         return _Part(blocks, chosen, Problem.build(part))
 

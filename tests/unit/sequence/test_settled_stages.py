@@ -27,7 +27,12 @@ def test_a_structure_that_stands_after_settling_is_planned_and_told() -> None:
 
 
 def test_a_structure_that_settles_into_a_fall_is_refused() -> None:
-    found = plan(tilted(46.0))
+    """Two forces that balance, far below and above, turn it on once it has turned."""
+    model, load = tilted(40.0), LoadCase.point_load
+    for force, z in ((4e4, -1e3), (-4e4, 1e3)):
+        place = model.assembly.centroid[2] + [0.0, 0.0, z]
+        model = model.with_load(model.load + load(model.assembly, "wedge", (0, 0, force), place))
+    found = plan(model)
     assert found.verdict is Verdict.UNSTABLE
     assert not found.steps
     assert "does not stand" in found.message
