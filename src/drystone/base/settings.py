@@ -142,10 +142,11 @@ def _refuse(of: Any, asked: Mapping[str, Any]) -> None:
 
 def _refuse_beyond(of: Any, name: str, value: Any) -> None:
     """Refuse a number, or one of several, that is out of the range that a documentation says."""
-    ends = documented(of).get(name, {}).get("ends", {})
+    said = documented(of).get(name, {"ends": {}})
     for one in value if isinstance(value, tuple | list) else (value,):
-        if isinstance(one, int | float | np.number) and (remedy := beyond(one, ends)):
-            raise InputError(f"{name} is {one:g}", remedy=remedy)
+        if isinstance(one, int | float | np.number) and (remedy := beyond(one, said["ends"])):
+            unit = f" [{said['unit']}]" if said["unit"] not in ("", "coefficient") else ""
+            raise InputError(f"{name} is {one:g}", remedy=remedy + unit)
 
 
 def _held(make: Callable[..., R]) -> Callable[..., R]:

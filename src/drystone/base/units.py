@@ -40,7 +40,7 @@ def scale_of(units: str) -> float:
 
 
 def measured(
-    text: str, units: Mapping[str, float], plain: float | None = None, what: str = "quantity"
+    text: str, units: Mapping[str, float], plain: float = math.nan, what: str = "quantity"
 ) -> float:
     """A number with its unit, in the SI unit.
 
@@ -50,14 +50,14 @@ def measured(
     units
         Value of each unit.
     plain
-        Value of a number that stands alone; ``None`` where a unit must be given.
+        Value of a number that stands alone; NaN where a unit must be given.
     what
         What it is, for errors.
 
     Raises
     ------
     InputError
-        Not a finite number with one of the units.
+        Not a number with one of the units, or above 1e12 in the SI unit, as nothing built is.
 
     Examples
     --------
@@ -71,10 +71,13 @@ def measured(
             f"unit '{unit}' is not known", where=what, remedy=f"use one of {', '.join(units)}"
         )
     factor = units[unit] if unit else plain
-    value = math.nan if factor is None else typed * factor
-    if not math.isfinite(value):
-        size = "0.15" if math.isnan(typed) or math.isinf(value) else f"{typed:.12g}"
-        examples = [f"{size}{unit}" for unit in ("", *units)][plain is None : 4]
+    value = typed * factor
+    if abs(value) > 1e12:
+        remedy = f"give up to {1e12 / factor:g}{unit}"
+        raise InputError(f"{what} '{text}' is larger than anything built", remedy=remedy)
+    if math.isnan(value):
+        size = "0.15" if match is None else f"{typed:.12g}"
+        examples = [f"{size}{unit}" for unit in ("", *units)][math.isnan(plain) : 4]
         raise InputError(
             f"{what} '{text}' is not a number with a unit",
             remedy=f"write {', '.join(examples)}",

@@ -51,7 +51,7 @@ def with_strength(model: Model, given: str | float) -> Model:
     where = "strength"
     with located(where):
         zero = not str(given).strip("0. ")  # it is refused in any unit
-        plain = 1.0 if zero or not isinstance(given, str) else None
+        plain = 1.0 if zero or not isinstance(given, str) else np.nan
         pressure = units.measured(str(given), units.PRESSURES, plain, where)
     if not 0.0 < pressure < np.inf:
         raise InputError(f"is {given}", where=where, remedy="give more than zero, such as 5MPa")

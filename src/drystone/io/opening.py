@@ -100,7 +100,7 @@ def read(path: Paths, *, progress: Progress | None = None, **reading: Unpack[How
         gravity, along the axis nearest to its opposite.
     friction : coefficient >= 0
         Friction coefficient, or angle such as ``31deg``, of all joints (the file's, else 0.6).
-    density : [kg/m3] > 0
+    density : [kg/m3] > 0, <= 1e6
         Density of all blocks (the file's, else 2400).
     gravity : [m/s2]
         Gravity: its size along -z, or a vector (9.81). It takes the place of the load of the file.

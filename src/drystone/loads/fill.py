@@ -46,16 +46,16 @@ class Fill(Options):
     ----------
     cover : [m] >= 0, <= 100
         Of the road above the highest block, at the middle of the bridge.
-    weight : [N/m3] >= 0
+    weight : [N/m3] >= 0, <= 1e6
         By volume.
-    k : >= 0
+    k : >= 0, <= 100
         Horizontal by vertical pressure on what is inclined.
-    passive : >= 0
+    passive : >= 0, <= 100
         Largest such ratio that fill mobilises against what moves into it; none at zero. ``limit
         train`` uses it, and all that is asked with the tie ``fill``.
-    spread : >= 0
+    spread : >= 0, <= 100
         Of a load, horizontal by vertical, to each side.
-    grade
+    grade : >= -10, <= 10
         Rise of the road by length along it.
     between : (2,) [m]
         Places across the road between which fill lies; all tops when left out.
@@ -703,17 +703,17 @@ class Earth(Options):
     ----------
     side
         On which it lies: ``x``, ``-x``, ``y`` or ``-y``.
-    weight : [N/m3] >= 0
+    weight : [N/m3] >= 0, <= 1e6
         By volume, also where it is saturated.
-    k : >= 0
+    k : >= 0, <= 100
         Horizontal by vertical pressure.
-    top : [m]
+    top : [m] >= -1e5, <= 1e5
         Level of its surface; the top of what is seen when left out.
-    surcharge : [Pa] >= 0
+    surcharge : [Pa] >= 0, <= 1e9
         On its surface.
-    water : [m]
+    water : [m] >= -1e5, <= 1e5
         Level of the water in it; none when left out.
-    wall_friction : coefficient >= 0
+    wall_friction : coefficient >= 0, <= 100
         Of the wall: the earth drags it down by this share of its pressure. No more than its own.
     blocks
         On which it presses, names and patterns with ``+`` between them; all that are seen when left

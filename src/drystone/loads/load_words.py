@@ -122,7 +122,8 @@ def _components(text: str, known: dict[str, float], example: str) -> list[float]
     try:
         values = [units.measured(part, known, known[last] if last else 1.0) for part in parts]
     except InputError as error:
-        raise InputError(f"'{text}' is not X,Y,Z", remedy=f"write {example}") from error
+        what = f"'{text}' is not X,Y,Z: {error.what}"
+        raise InputError(what, remedy=f"write {example}") from error
     if len(values) != 3:
         raise InputError(f"'{text}' is not three finite numbers", remedy=f"write {example}")
     return values

@@ -42,14 +42,14 @@ class Train(Options):
     places : (a,) [m]
         From the first axle on.
     loads : (a,) [N]
-    contact, across : [m] >= 0
+    contact, across : [m] >= 0, <= 1000
         Length and width of the road on which an axle acts; over the whole width of the bridge
         where ``across`` is zero.
-    line : [N/m] >= 0
+    line : [N/m] >= 0, <= 1e9
         Load by length on any parts of the road; none at zero.
-    lane : [m] >= 0
+    lane : [m] >= 0, <= 1000
         Width on which the line load acts; the whole width of the bridge at zero.
-    clear : [m] >= 0
+    clear : [m] >= 0, <= 1000
         Between the line load and the first and the last axle; it acts between axles as well when
         left out.
     source
