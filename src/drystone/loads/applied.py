@@ -188,7 +188,8 @@ def common_acceleration(assembly: Assembly, load: LoadCase) -> Floats:
     if load.acceleration.any():
         return load.acceleration
     free = ~assembly.fixed
-    acceleration = load.beside_masses.wrench[free, :3] / assembly.mass[free, None]
+    wrench = load.beside_masses.beside_points.wrench
+    acceleration = wrench[free, :3] / assembly.mass[free, None]
     largest = float(np.abs(acceleration).max(initial=0.0))
     if largest == 0.0:
         return np.zeros(3)

@@ -285,12 +285,12 @@ def _refuse_weight_twice(
         acting = {name: weights[name] for name in each.factors if weights[name].any()}
         twice = np.flatnonzero(sum(acting.values(), np.zeros(len(model))) > 1)
         if len(twice):
-            who = f"block '{model.assembly.names[twice[0]]}'"
+            who, down = model.assembly.names[twice[0]], LoadCase.gravity(model.assembly).wrench
             named = " and ".join(f"'{name}'" for name, one in acting.items() if one[twice[0]])
             raise cases.error(
-                f"has the weight of {who} twice, in {named}",
-                'leave out one; in place of load = "model" write the loads beside weight, '
-                "BLOCK:WHAT or seismic:KX,KY",
+                f"has the weight of block '{who}' twice, in {named}",
+                "leave out one; a load beside weight that is as heavy is written BLOCK:WHAT: "
+                f'load = "{who}:{-down[twice[0], 2]:.6g}N", or seismic:KX,KY',
             )
 
 
@@ -458,8 +458,6 @@ def _parts(name: str, one: Field, model: Model) -> list[LoadCase]:
     """The loads of a case, at their characteristic values."""
     each = _words(name, one)
     parts = [_acting(word, one, model) for word in each]
-    if one.get("shaken", False).boolean():
-        parts = [with_shaken_weights(model.assembly, part) for part in parts]
     if one.has("blocks") and "gravity" not in [word.text() for word in each]:
         raise one["blocks"].error("restricts gravity only", 'write load = "gravity"')
     if not parts:
@@ -474,13 +472,14 @@ def _words(name: str, one: Field) -> list[Field]:
 
 
 def _acting(word: Field, one: Field, model: Model) -> LoadCase:
-    """What one word of the load of a case means."""
+    """What one word of the load of a case means; the weight of blocks is shaken anyhow."""
     if word.text() == "gravity":
         return _weight(one, model)
-    if word.text() == "model":
-        return model.load
     with word.blamed():
-        return chosen_case(word.text(), model.assembly, model.cases)
+        own = word.text() == "model"
+        made = model.load if own else chosen_case(word.text(), model.assembly, model.cases)
+    shaken = one.get("shaken", False).boolean()
+    return with_shaken_weights(model.assembly, made) if shaken else made
 
 
 def _weight(one: Field, model: Model) -> LoadCase:
@@ -492,7 +491,9 @@ def _weight(one: Field, model: Model) -> LoadCase:
         kept = kept_of(model.assembly, one["blocks"].text())
     wrench = np.zeros_like(whole.wrench)
     wrench[kept] = whole.wrench[kept]
-    return LoadCase(wrench, f"gravity of {one['blocks'].text()}")
+    given = np.zeros((len(wrench), 4, 3))  # it acts at centroids, where a roof acts on top
+    given[:, 0] = wrench[:, :3]
+    return LoadCase(wrench, f"gravity of {one['blocks'].text()}", given=given)
 
 
 def _combined(by: Situation, actions: tuple[Action, ...]) -> Iterator[Combination]:

@@ -154,7 +154,8 @@ class Combinations(Answer):
         names = dict.fromkeys(one.situation.name for one in self.each if one.situation.by_parts)
         return [
             f"{by} takes all of '{one}' by one factor: where a part of it holds what another "
-            'overturns make each a case, with load = "gravity" and blocks'
+            "overturns write a table for each in its place, "
+            '[case.NAME] kind = "permanent" load = "gravity" blocks = "BLOCK,BLOCK-*"'
             for by in names
             for one in whole
         ]
