@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, Unpack
@@ -149,12 +150,9 @@ class LocalMechanism(Answer):
     def title(self) -> str:
         """The multiplier, and whether the site asks for no more."""
         begins = f"A mechanism begins at {self.oscillator.multiplier:.4g} g"
-        if self.site is None:
-            return begins
-        ends = {True: "fulfilled", False: "not fulfilled"}
         methods = dict.fromkeys(one for one, *_ in self.verifications)
-        told = [f"{one} {ends[self.fulfils(one)]}" for one in methods]
-        return f"{begins}: verification {', '.join(told)}"
+        told = [f"{one} {'' if self.fulfils(one) else 'not '}fulfilled" for one in methods]
+        return f"{begins}: verification {', '.join(told)}" if told else begins
 
     def sentences(self) -> Sequence[Sentence]:
         """The same, what moves, and how it was found."""
@@ -207,25 +205,18 @@ class LocalMechanism(Answer):
 
     def table(self) -> Table:
         """The capacity curve: d* [m] and a* [m/s2]."""
-        columns = {
-            "displacement": self.displacement / self.oscillator.share,
-            "acceleration": self.load
-            * STANDARD_GRAVITY
-            / (self.oscillator.share * self.confidence),
-        }
+        share = self.oscillator.share
+        level = self.load * STANDARD_GRAVITY / (share * self.confidence)
+        columns = {"displacement": self.displacement / share, "acceleration": level}
         return Table("capacity curve", columns, {"displacement": "m", "acceleration": "m/s2"})
 
     def numbers(self) -> Mapping[str, Any]:
         """The numbers of the method and of the site."""
+        own = "acceleration", "ultimate", "secant_period"
+        of = "multiplier", "weight", "mass", "share", "displacement"
         return {
-            "multiplier": self.oscillator.multiplier,
-            "weight": self.oscillator.weight,
-            "mass": self.oscillator.mass,
-            "share": self.oscillator.share,
-            "acceleration": self.acceleration,
-            "displacement": self.oscillator.displacement,
-            "ultimate": self.ultimate,
-            "secant_period": self.secant_period,
+            **{name: getattr(self.oscillator, name) for name in of},
+            **{name: getattr(self, name) for name in own},
             "linear": self.fulfils("linear") if self.site else None,
             "nonlinear": self.fulfils("non-linear") if self.site else None,
             "site": None if self.site is None else self.site.told(),
@@ -546,14 +537,28 @@ def _turning(
         origin, axis = _line(line, along)
         remarks += _under(assembly, chosen, origin, axis)
         return *_about(model, chosen, along, origin, axis), remarks
-    lines = _lowest_edges(assembly, chosen, along)
-    found = [_about(model, chosen, along, start, end - start) for start, end in lines]
+    least, ends, found = _soonest(model, chosen, along)
+    remarks += [f"the part turns about the edge of its foot from {ends}"] if ends else []
+    bottom = np.array([assembly.blocks[i].vertices[:, 2].min() for i in chosen])
+    for level in np.unique(bottom)[1:]:
+        upper = chosen[bottom >= level]
+        with suppress(InputError):  # a tie without a strength holds it
+            sooner, *_ = _soonest(model, upper, along)
+            if sooner < (1.0 - _CLOSE) * least:
+                told = named([assembly.names[i] for i in upper])
+                told = f"what is above {level:.4g} m turns sooner, at {sooner:.4g} g: {told}"
+                remarks, least = [*remarks, told], sooner
+    return *found, remarks
+
+
+def _soonest(model: Model, part: Ints, along: Floats) -> tuple[float, str, tuple[Turning, Floats]]:
+    """How a part turns about its foot: the least multiplier, the edge unless a corner, and that."""
+    lines = _lowest_edges(model.assembly, part, along)
+    found = [_about(model, part, along, start, end - start) for start, end in lines]
     alpha = np.array([turning.multiplier(0.0) for turning, _ in found])
     best = int(np.argmax(alpha <= alpha.min() + SAME))  # about a corner all are the same
-    if best:
-        ends = " to ".join(", ".join(f"{x + 0.0:.4g}" for x in end) for end in lines[best])
-        remarks += [f"the part turns about the edge of its foot from {ends}"]
-    return *found[best], remarks
+    edge = " to ".join(", ".join(f"{x + 0.0:.4g}" for x in end) for end in lines[best])
+    return float(alpha[best]), edge if best else "", found[best]
 
 
 def _about(

@@ -204,6 +204,17 @@ def test_a_long_wall_that_is_pushed_aside_turns_about_its_long_edge(aside: float
     assert told == "the part turns about the edge of its foot from 6, 0.6, 0 to 0, 0.6, 0"
 
 
+def test_what_turns_sooner_within_a_part_is_told() -> None:
+    """A parapet at 0.2 / 2; both at (24 0.3 + 8 0.1) / (24 1 + 8 3). A tie without end holds it."""
+    parapet = box((0.2, 2, 2), (0.4, 0, 2), "parapet")
+    model = standing(box((0.6, 2, 2), (0, 0, 0), "wall"), parapet)
+    found = local_mechanism(model, part="wall,parapet")
+    assert found.oscillator.multiplier == pytest.approx(1.0 / 6.0)
+    assert found.remarks == ("what is above 2 m turns sooner, at 0.1 g: parapet",)
+    tied = local_mechanism(model, part="wall,parapet", tie="wall@0.1,1,1:parapet@0.5,1,3")
+    assert not tied.remarks
+
+
 def test_what_is_behind_an_oblique_line_is_so_along_the_earthquake() -> None:
     """The line x = 0.4 + (y - 1)/2 about a wall whose middle is at x = 0.2, y = 1."""
     line = (-0.1, 0.0, 0.0, 0.9, 2.0, 0.0)
