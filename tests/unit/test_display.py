@@ -82,7 +82,7 @@ def values(folder: Path) -> Iterator[object]:
     yield from (stands.resultants, stands.joints(), stands.contacts[0])
     yield drystone.check(arch(), friction=0.9).thrust_line()
     yield drystone.check(shelf(), friction=0.9)
-    yield from (drystone.diagnose(arch(0.06), friction=0.9), design.Need(100.0, (0,)))
+    yield from (drystone.diagnose(arch(0.06, 6), friction=0.9), design.Need(100.0, (0,)))
     yield design.DiagnosisOptions(regions=3)
     few = design.MendOptions(kinds=("friction", "ballast"))
     rare = Model.of(tower(2), friction=0.0).with_load((1.0, 0.0, -9.81))

@@ -269,25 +269,6 @@ def _heads(
             yield PropSeat(part.block, outline, frozen(frame[0]), part.covered)
 
 
-def propped(model: Model, seat: PropSeat) -> Model:
-    """The model with a fixed prop against a block; the joint between them is the last one."""
-    patch, count = np.asarray(seat.outline), len(seat.outline)
-    foot = patch - PLATE * model.assembly.size[seat.block] * np.asarray(seat.normal)
-    faces = tuple(prism_faces(count))
-    prop = Block(np.concatenate([foot, patch]), faces, fresh_name(model, PROP))
-    area = area_vector(patch)
-    contacts = Contacts(
-        np.array([len(model)]),
-        np.array([seat.block]),
-        frames_from_normals(np.asarray(seat.normal)[None]),
-        np.array([float(np.linalg.norm(area))]),
-        np.array([usual_friction(model)]),
-        patch,
-        np.zeros(count, dtype=np.intp),
-    )
-    return changed(model, added=(prop,), fixed=(True,), contacts=contacts)
-
-
 def find_props(
     model: Model,
     blocks: Sequence[int],
@@ -388,10 +369,23 @@ def _needed(
 
 
 def with_props(model: Model, some: Sequence[PropSeat]) -> Model:
-    """The model with props at some places."""
+    """The model with fixed props at some places; the joints below them are the last ones."""
+    props: list[Block] = []
     for seat in some:
-        model = propped(model, seat)
-    return model
+        patch = np.asarray(seat.outline)
+        foot = patch - PLATE * model.assembly.size[seat.block] * np.asarray(seat.normal)
+        name = fresh_name(model, PROP, [one.name for one in props])
+        props.append(Block(np.concatenate([foot, patch]), tuple(prism_faces(len(patch))), name))
+    contacts = Contacts(
+        len(model) + np.arange(len(some)),
+        np.array([one.block for one in some]),
+        frames_from_normals(np.array([one.normal for one in some])),
+        lengths(np.array([area_vector(one.outline) for one in some])),
+        np.full(len(some), usual_friction(model)),
+        np.concatenate([one.outline for one in some]),
+        np.arange(len(some)).repeat([len(one.outline) for one in some]),
+    )
+    return changed(model, added=props, fixed=[True] * len(some), contacts=contacts)
 
 
 def _forces(

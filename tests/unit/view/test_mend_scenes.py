@@ -14,7 +14,7 @@ from drystone.base.arrays import lengths
 from drystone.checks import corner_motion
 from drystone.design import Changed, DiagnosisOptions, MendOptions, find_mends
 from drystone.design.changes import ballasted, glued
-from drystone.design.props import PropSeat, propped
+from drystone.design.props import PropSeat, with_props
 from drystone.joint_capacity import JointCapacity
 from drystone.model import Origin
 from drystone.models import arch, box, incline, tower, wall
@@ -132,7 +132,7 @@ def test_what_a_mend_added_is_marked_and_what_was_there_is_not() -> None:
     before = drystone.Model.of(tower(4), friction=0.6)
     before = before.with_capacity(JointCapacity.of(before.contacts, tension=[0.0, 0.0, 9.0]))
     seat = PropSeat(3, box((0.1, 0.1, 0.1), (1.0, 0.0, 3.2)).vertices[[0, 3, 7, 4]], (-1.0, 0, 0))
-    after = propped(tied(glued(before, np.array([0]), 50.0), 2, 1), seat)
+    after = with_props(tied(glued(before, np.array([0]), 50.0), 2, 1), [seat])
     friction = np.array(after.contacts.friction)
     friction[1] = 0.9
     after = after.with_friction(friction).with_load(ballasted(after, 3, 100.0).load)
