@@ -326,12 +326,15 @@ def _paths(case: FollowedCase) -> tuple[SettlementPath, ...]:
     for number, which in enumerate(tries):
         # of many blocks the forces are much the same for both carriers
         stiff = paths[-1].overlap if paths and left_at < np.inf else None
-        other = paths[-1] if paths else case.near
+        other, asked = paths[-1] if paths else case.near, case
+        if paths and case.many and case.motion is None and paths[-1].outcome is Outcome.FALLS:
+            # farther than what stands, wherever it goes from there both carriers end alike
+            asked = replace(case, left_at=min(left_at, case.chosen.rest_within))
         if number < len(known):
             path, last, falls = known[number]
             case.falls.update(falls)
         else:  # also where the workers were ended early: the beginning of the others
-            path, last = path_of(case, *which, overlap=stiff, other=other)
+            path, last = path_of(asked, *which, overlap=stiff, other=other)
         paths += (path,)
         if last or path.outcome is Outcome.UNKNOWN:
             break  # then the outcome is unknown, whatever the other one does
