@@ -29,7 +29,7 @@ from drystone.design import MendOptions, find_mends
 from drystone.fall import fall
 from drystone.sequence import PlanOptions, Rules
 from drystone.shells import shell_by_name
-from drystone.shells.shell_by_name import shape_by_name
+from drystone.shells.shell_families import shape_by_name
 from drystone.view import save_page, scene_of
 
 sys.path.insert(0, str(Path(__file__).parents[2]))

@@ -14,7 +14,6 @@ from drystone.base.arrays import ROUNDING, SAME, Floats, frozen_points, unit
 from drystone.base.errors import InputError, counted
 from drystone.base.settings import hold
 from drystone.geometry import coincidence
-from drystone.geometry.closing import plane_lids, separate_parts, with_joints, without_membranes
 from drystone.geometry.coincidence import first_coincident
 from drystone.geometry.polygon import area_vector
 from drystone.geometry.polyhedron import (
@@ -28,7 +27,13 @@ from drystone.geometry.polyhedron import (
 )
 from drystone.geometry.selfcontact import self_contacts
 from drystone.geometry.solid import winding_number
-from drystone.geometry.soup import pulled_apart
+from drystone.geometry.soup import (
+    plane_lids,
+    pulled_apart,
+    separate_parts,
+    with_joints,
+    without_membranes,
+)
 from drystone.geometry.surface import edge_defects, edge_uses, face_components, orient
 
 _SLOPE = 0.1

@@ -17,9 +17,9 @@ import numpy as np
 from drystone.base.arrays import Bools, Floats, frozen, frozen_floats, frozen_points, number
 from drystone.base.display import OneLine
 from drystone.base.errors import DefectKind, InputError, located
-from drystone.geometry.closing import separate_parts
 from drystone.geometry.polyhedron import body_mass_properties
 from drystone.geometry.selfcontact import self_contacts
+from drystone.geometry.soup import separate_parts
 from drystone.geometry.surface import closed_surface
 
 DEFAULT_DENSITY = 2400.0

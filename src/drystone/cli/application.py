@@ -132,7 +132,7 @@ app.places = {
     ),
     "convert": "file_commands",
     "cut": "mend_command",
-    "dataset": "scaffold_command",
+    "dataset": "plan_command",
     "demo": "models_command",
     "fall": "motion_commands",
     "forces": (
@@ -145,7 +145,7 @@ app.places = {
     ),
     "inspect": "file_commands",
     "interlock": (
-        "drystone.sequence.interlocking",
+        "drystone.sequence.freedom",
         "Whether a model with its supports fixed holds under every load without friction",
     ),
     "kinematic": (
@@ -169,7 +169,7 @@ app.places = {
     ),
     "report": "study_command",
     "reproduce": "models_command",
-    "scaffold": "scaffold_command",
+    "scaffold": "plan_command",
     "settle": "motion_commands",
     "shape": "mend_command",
     "sharpen": (
@@ -178,7 +178,7 @@ app.places = {
     ),
     "shell": "shell_command",
     "study": "study_command",
-    "tune": "tune_command",
+    "tune": "shell_command",
 }
 
 

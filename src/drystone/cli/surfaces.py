@@ -130,7 +130,7 @@ def surface_of(wanted: SurfaceRequest) -> Surface:
     InputError
         A surface that is not known, or an option that it does not have.
     """
-    from drystone.shells.shell_by_name import (
+    from drystone.shells.shell_families import (
         SPAN,
         SURFACES,
         shape_by_name,
@@ -170,7 +170,7 @@ def _refuse(option: str, given: bool, kind: str | None) -> None:
 
 def _from_mesh(wanted: SurfaceRequest) -> Surface:
     from drystone import shells
-    from drystone.shells.shell_by_name import COURSES
+    from drystone.shells.shell_families import COURSES
     from drystone.shells.sources import surface_in_file
 
     points, faces, unit = surface_in_file(wanted.surface, wanted.units, wanted.up)
@@ -199,7 +199,7 @@ def _sized(made: Surface, wanted: SurfaceRequest, unit: str | None) -> Surface:
     """The surface, with a remark where its size is improbable."""
     from drystone.io.build import doubtful_size
     from drystone.shells import ShellBody, shape_volume
-    from drystone.shells.shell_by_name import COURSES
+    from drystone.shells.shell_families import COURSES
 
     extent = max(patch.size for patch in made.shape.patches)
     thick = wanted.sizes.get("thickness", made.shape.default_thickness)

@@ -62,10 +62,10 @@ if TYPE_CHECKING:
     from drystone.design.shared_planes import thickening as thickening
     from drystone.design.sharpening import SharpenOptions as SharpenOptions
     from drystone.design.sharpening import sharpen as sharpen
-    from drystone.design.tuned_values import Parameter as Parameter
-    from drystone.design.tuned_values import Tuned as Tuned
-    from drystone.design.tuned_values import TuneTrial as TuneTrial
+    from drystone.design.tuning import Parameter as Parameter
+    from drystone.design.tuning import Tuned as Tuned
     from drystone.design.tuning import TuneOptions as TuneOptions
+    from drystone.design.tuning import TuneTrial as TuneTrial
     from drystone.design.tuning import tune as tune
 
 _NAMES = {
@@ -86,8 +86,7 @@ _NAMES = {
     "shape_values": "FamilyMoves ShapeAim ShapeOptions",
     "shaping": "shape",
     "shared_planes": "Moves block_moves free_vertices joint_moves thickening",
-    "tuned_values": "Parameter TuneTrial Tuned",
-    "tuning": "TuneOptions tune",
+    "tuning": "Parameter TuneOptions TuneTrial Tuned tune",
     "sharpening": "SharpenOptions sharpen",
 }
 """The public names of each module."""

@@ -19,7 +19,7 @@ from drystone.model import Model
 from drystone.results import Result
 from drystone.stability import CheckOptions, check
 from drystone.stability.asked import SAMPLES
-from drystone.stability.resting import try_rest
+from drystone.stability.attempts import try_rest
 from drystone.stability.screening import PATIENT
 from drystone.stability.screening import QUICK as QUICKLY
 

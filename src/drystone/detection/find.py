@@ -31,8 +31,8 @@ from drystone.detection.misses import Shortfall, edge_misses, face_contacts, sho
 from drystone.detection.patches import Patches, patches_of
 from drystone.detection.resample import Resampled, resample
 from drystone.detection.tolerances import DetectionOptions, EdgeContacts, Missed
-from drystone.geometry.closing import separate_parts
 from drystone.geometry.coincidence import duplicates
+from drystone.geometry.soup import separate_parts
 
 
 @dataclass(frozen=True)

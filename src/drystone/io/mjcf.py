@@ -25,18 +25,20 @@ from drystone.base.arrays import Floats, number, unit
 from drystone.base.errors import FormatError, InputError
 from drystone.base.files import PathLike, write_text
 from drystone.io.draft import Contents, Draft, Extras
-from drystone.io.placed_bodies import (
+from drystone.io.simulator_bodies import (
     MeshesBeside,
     Part,
     PlacedBody,
+    bodies,
     box_part,
     cylinder_part,
+    gravity_of,
     hull_part,
+    model_of,
     placed,
     shapes_of_bodies,
     volume_of,
 )
-from drystone.io.simulator_bodies import bodies, gravity_of, model_of
 from drystone.io.xml_tree import along, axes, number_of, numbers, pose_of, quaternion, root_of
 from drystone.loads import LoadCase
 from drystone.model import Model

@@ -13,7 +13,7 @@ from drystone.assembly.block import self_touching
 from drystone.base.arrays import ROUNDING, Bools, Floats, frozen_floats
 from drystone.base.errors import DefectKind, InputError, counted
 from drystone.geometry import coincidence
-from drystone.geometry.closing import separate_parts
+from drystone.geometry.soup import separate_parts
 from drystone.geometry.surface import open_faces
 from drystone.io.draft import DraftBlock
 from drystone.repair import mended_blocks, support_from_surface

@@ -26,16 +26,18 @@ from drystone.base.arrays import Floats, Ints
 from drystone.base.errors import FormatError
 from drystone.base.files import Job, PathLike, write_text, write_together
 from drystone.io.draft import Contents, Draft
-from drystone.io.placed_bodies import (
+from drystone.io.simulator_bodies import (
     MeshesBeside,
     Part,
     PlacedBody,
+    SimulatorBody,
+    bodies,
     box_part,
     cylinder_part,
+    model_of,
     placed,
     shapes_of_bodies,
 )
-from drystone.io.simulator_bodies import SimulatorBody, bodies, model_of
 from drystone.io.xml_tree import number_of, numbers, pose_of, root_of
 from drystone.model import Model
 

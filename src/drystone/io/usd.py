@@ -21,7 +21,7 @@ from drystone.base.errors import FormatError, require
 from drystone.io.draft import Draft
 from drystone.io.jsontext import Field, parse
 from drystone.io.outside import Unfolded, content_of
-from drystone.io.placed_bodies import (
+from drystone.io.simulator_bodies import (
     Part,
     PlacedBody,
     box_part,

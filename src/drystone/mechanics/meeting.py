@@ -16,7 +16,7 @@ from drystone.base.arrays import SAME, Bools, Floats, Ints, frozen
 from drystone.contacts import DEFAULT_FRICTION, Contacts, joined_contacts
 from drystone.detection import DetectionOptions, EdgeContacts, find_contacts
 from drystone.detection.tolerances import LARGEST
-from drystone.mechanics.face_edges import FaceSides
+from drystone.mechanics.corners import FaceSides
 from drystone.model import Model
 
 FARTHEST = LARGEST["gap"]

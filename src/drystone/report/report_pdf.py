@@ -15,8 +15,7 @@ from drystone.base.display import NAME, shortened
 from drystone.base.errors import require
 from drystone.base.files import utf8
 from drystone.base.table import Table
-from drystone.report.document import Document, Heading, Part, Picture
-from drystone.report.joint_plans import JointPlan
+from drystone.report.document import Document, Heading, JointPlan, Part, Picture
 
 _MARGIN = 51.0
 """[points], 18 mm."""

@@ -20,7 +20,15 @@ from drystone.loads.applied import applied_loads
 from drystone.loads.earthquake import Shaken
 from drystone.model import Model
 from drystone.report import sketches
-from drystone.report.document import Document, Heading, Part, Picture, Section, TitleBlock
+from drystone.report.document import (
+    Document,
+    Heading,
+    Part,
+    Picture,
+    Section,
+    TitleBlock,
+    joint_plan,
+)
 from drystone.report.hand_checks import (
     as_one_block,
     balance,
@@ -30,7 +38,6 @@ from drystone.report.hand_checks import (
     mechanism_table,
     weights,
 )
-from drystone.report.joint_plans import joint_plan
 from drystone.results import Result
 from drystone.sequence import StagedModel
 from drystone.studies import Combinations

@@ -22,8 +22,15 @@ from drystone.design import DiagnosisOptions, diagnose
 from drystone.io.opening import Given, How, supported_model
 from drystone.limits.bounds import with_margins
 from drystone.model import Model
-from drystone.report.document import Document, Heading, Part, Picture, Section, TitleBlock
-from drystone.report.joint_plans import plan_figure
+from drystone.report.document import (
+    Document,
+    Heading,
+    Part,
+    Picture,
+    Section,
+    TitleBlock,
+    plan_figure,
+)
 from drystone.report.report_pdf import pdf_of
 from drystone.report.report_sections import document_of, worst_told
 from drystone.report.sketches import numbered_picture

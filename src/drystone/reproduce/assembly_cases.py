@@ -33,7 +33,7 @@ from drystone.shells import (
 )
 from drystone.shells import dome as dome_shape
 from drystone.shells import tri_dome as tri_dome_shape
-from drystone.shells.shell_by_name import shape_by_name
+from drystone.shells.shell_families import shape_by_name
 from drystone.stability import check
 
 THOROUGH = PlanOptions(patience=math.inf)

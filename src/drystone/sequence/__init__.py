@@ -10,7 +10,7 @@ from drystone.sequence.dataset import (
     read_dataset,
 )
 from drystone.sequence.evaluation import Evaluator
-from drystone.sequence.freedom import Freedom, Obstacle, freedom
+from drystone.sequence.freedom import Freedom, Interlocking, Obstacle, freedom, interlocking
 from drystone.sequence.gravity_regions import GravityRegion, gravity_region
 from drystone.sequence.handling import (
     GripFace,
@@ -20,7 +20,6 @@ from drystone.sequence.handling import (
     handling,
     without_robot,
 )
-from drystone.sequence.interlocking import Interlocking, interlocking
 from drystone.sequence.margins import (
     FrictionSweep,
     Margin,

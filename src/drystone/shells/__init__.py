@@ -15,13 +15,13 @@ from drystone.shells.materialise import shape_volume
 from drystone.shells.meshfit import MeshFit, patch_from_mesh, several_supports, vaults_from_mesh
 from drystone.shells.patch import Edge, Patch, Seam, Shape, Side
 from drystone.shells.planarise import PlanarReport, planarise
-from drystone.shells.shell_by_name import shell_by_name
 from drystone.shells.shell_families import (
     barrel_vault,
     cross_vault,
     dome,
     pavilion_vault,
     rectangular_plan,
+    shell_by_name,
     three_legged_plan,
     three_vault_plan,
     tri_dome,

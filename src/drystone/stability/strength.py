@@ -1,14 +1,16 @@
-"""Whether joints crush, of what stands without a limit of strength."""
+"""Whether joints crush, of what stands without a limit of strength; and mortar that breaks."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
-from drystone.base.arrays import Floats
+from drystone.base.arrays import Bools, Floats, lengths
 from drystone.base.display import rounded_down
+from drystone.base.errors import counted
 from drystone.base.progress import Clock, Stop
 from drystone.checks import (
     FORCE_TOLERANCE,
@@ -16,16 +18,23 @@ from drystone.checks import (
     check_forces,
     crushed_most,
     crushing_share,
+    normal_force_by_strength,
 )
+from drystone.contacts import Contacts
 from drystone.formulations.corner_forces import FrictionCone
 from drystone.formulations.equilibrium import LoadFactors
+from drystone.joint_capacity import NO_LIMIT, JointCapacity
+from drystone.joints import linear_strength_use, plane_pressure
+from drystone.mechanics import law
 from drystone.model import Model
 from drystone.results import Result, Verdict
 from drystone.solvers.program import ConicStatus
 from drystone.solvers.threads import one_blas_thread
+from drystone.stability.attempts import Attempt, Candidate
 from drystone.stability.problem import Problem
 from drystone.stability.proofs import UNBALANCED, checked_mechanism, moving_blocks, undone
 from drystone.ties import joint_words
+from drystone.virtual import joint_sections
 
 WEAK = "no contact forces within the strength of"
 _REACHED = 0.999
@@ -172,3 +181,181 @@ def _reached(found: Result) -> str:
         return f", also within the strength of its {'joints' if stone else 'ties'}"
     words = "the stone reaches its strength where its joints press most"
     return f"; {words if stone else 'ties yield'}"
+
+
+@one_blas_thread()
+def with_brittle_mortar(model: Model, decide: Callable[[Model], Result], clock: Clock) -> Result:
+    """The verdict of a model whose joints lose their pull and cohesion where they crack.
+
+    What stands with every joint cracked stands. Otherwise forces are found on uniform springs that
+    pull as well as they press, as of mortar that is not cracked; a joint in whose face a linear
+    pressure exceeds the pull, or the shear exceeds cohesion and friction, cracks; and again without
+    it, until none cracks. Where what is left has no rest state, it must fall even if the joints
+    left were ductile.
+
+    Where joints crush as well, the linear pressure of those that hold is below the strength, and
+    those that cracked carry stress blocks. What presses more is lost: a joint that holds cracks,
+    the face of another one shrinks, and forces are found again. So it stands with less than there
+    is. That it falls is shown of what cracks before anything is lost.
+
+    Parameters
+    ----------
+    model
+    decide
+        Gives the verdict on a model with joints cracked, or with ductile ones.
+    clock
+    """
+    found = decide(model.cracked())
+    if found.stable:
+        contacts = model.contacts.carried_to(found.contacts)
+        words = f"{found.message}, with every joint of mortar cracked"
+        return replace(found, model=found.model.with_contacts(contacts), message=words)
+    contacts, capacity = model.contacts, model.contacts.capacity
+    if capacity is None:
+        return found
+    mortar = (capacity.tension > 0.0) | (capacity.cohesion > 0.0)
+    end = _cracked_in_turn(model, mortar, clock)
+    steps = found.iterations + end.steps
+    found = replace(found, model=model, iterations=steps)
+    if end.force is not None:
+        return _uncracked(found, end.force, end.holds, mortar)
+    if clock.late():
+        words = f"{clock.reason} before it was known which joints of mortar crack"
+        return undone(replace(found, stopped=clock.reason), words)
+    ductile = model.with_capacity(replace(capacity.cracked(~end.sound), brittle=False))
+    rest = decide(ductile) if end.sound.any() else found
+    count = int((mortar & ~end.sound).sum())
+    words = f"its mortar cracks in {counted(count, 'joint')}, and " if count else ""
+    if rest.falls:
+        words += f"what is left falls: {rest.message}" if count else rest.message
+        return replace(rest, model=model, message=words, iterations=steps)
+    words += "whether what is left falls was not shown"
+    if contacts.crushes.any():
+        words += (
+            "; stone reaches its strength in some joint (ductile mortar tells a bound from above)"
+        )
+    return undone(found, words)
+
+
+class _Followed(NamedTuple):
+    """How far joints crack: those that hold (m,), also before strength was lost, and the steps.
+
+    With forces (k, 3) [N] that the joints carry, where they were found.
+    """
+
+    holds: Bools
+    sound: Bools
+    steps: int
+    force: Floats | None = None
+
+
+def _cracked_in_turn(model: Model, mortar: Bools, clock: Clock) -> _Followed:
+    """Joints of mortar (m,) crack until none does, and what crushes too much is lost."""
+    contacts, holds, steps = model.contacts, mortar, 0
+    size = np.ones(len(mortar))
+    sound: Bools | None = None
+    while holds.any() and size.min() > 0.0 and not clock.late():
+        state = _elastic(model, holds, size, clock)
+        steps += state.steps
+        if not state.stands:
+            break
+        breaking = holds & cracks(contacts, state.force)
+        use = _strength_use(contacts, state.force, holds)
+        if breaking.any():
+            holds = holds & ~breaking
+        elif use.max() <= 1.0:
+            return _Followed(holds, holds, steps, state.force)
+        else:
+            sound = holds if sound is None else sound
+            size = np.where(holds, 1.0, _smaller(contacts, state.force, use, size))
+            holds = holds & (use <= 1.0)
+    return _Followed(holds, holds if sound is None else sound, steps)
+
+
+def _elastic(model: Model, holds: Bools, size: Floats, clock: Clock) -> Candidate:
+    """The state on uniform springs that pull where joints hold, on shares of the size of faces.
+
+    Its forces (k, 3) [N] are those at the corners of the whole faces.
+    """
+    contacts = _bonded(model, holds).without_crushing().contacts
+    shrunk = (size < 1.0)[contacts.interface]
+    share, centre = size[contacts.interface, None], contacts.centroid[contacts.interface]
+    point = np.where(shrunk[:, None], centre + share * (contacts.point - centre), contacts.point)
+    left = model.with_contacts(contacts.with_areas(contacts.area * size**2, point=point))
+    problem = Problem.build(left)
+    state = Attempt(problem, law.uniform(problem.statics), clock.late).from_nothing()
+    whole = contacts.corners.spread(contacts.corners.sum(state.force))
+    around = contacts.corner_share[:, None] * whole
+    return replace(state, force=share * state.force + (1.0 - share) * around)
+
+
+def _bonded(model: Model, holds: Bools) -> Model:
+    """The model whose joints pull and do not crush where they hold, and neither pull elsewhere."""
+    capacity = model.contacts.capacity or JointCapacity.dry(len(holds))
+    bonded = np.where(holds, NO_LIMIT, 0.0)
+    strength = np.where(holds, NO_LIMIT, capacity.compression)
+    pulls = replace(capacity, tension=bonded, cohesion=bonded, compression=strength)
+    return model.with_capacity(pulls)
+
+
+def _strength_use(contacts: Contacts, force: Floats, holds: Bools) -> Floats:
+    """Share (m,) of its strength that each joint needs: by a linear pressure where it holds."""
+    use = normal_force_by_strength(contacts, np.maximum(force[:, 0], 0.0))[0]
+    return np.where(holds, linear_strength_use(contacts, force), use)
+
+
+def _smaller(contacts: Contacts, force: Floats, use: Floats, size: Floats) -> Floats:
+    """Shares (m,) of the size of faces on whose rim stress blocks carry what presses too much.
+
+    Of a face under N, bent about one axis, it is ``1 - N / (f A)``; a little less, so that it ends.
+    """
+    strength = np.inf if contacts.capacity is None else contacts.capacity.compression
+    lost = np.maximum(contacts.corners.sum(force[:, 0]) / strength, (1.0 - size) * use)
+    return np.where(use > 1.0, 1.0 - 1.01 * lost, size)
+
+
+def _uncracked(found: Result, force: Floats, holds: Bools, mortar: Bools) -> Result:
+    """STABLE with forces (k, 3) [N] that joints which hold carry elastically, others as dry."""
+    residuals = check_forces(_bonded(found.model, holds), force)
+    cracked = int((mortar & ~holds).sum())
+    told = f"{counted(cracked, 'joint')} of it cracked" if cracked else "uncracked"
+    if residuals.largest > FORCE_TOLERANCE:
+        return undone(found, f"its mortar holds ({told}), but no exact forces were found")
+    words = f"stands on its mortar, {told}"
+    stands = replace(undone(found, words), verdict=Verdict.STABLE)
+    return replace(stands, force=force, residuals=residuals)
+
+
+def cracks(contacts: Contacts, force: Floats) -> Bools:
+    """Interfaces (m,) whose mortar corner forces (k, 3) [N], local n, u, v, exceed.
+
+    The pressure is linear over the face, as of a plane section, and pulls as well, up to the
+    tension and to cohesion by friction; the shear is even, torsion adds to it by the distance from
+    the centroid, and friction is that of the mean pressure. Edges and points carry at corners.
+    """
+    capacity = contacts.capacity
+    if capacity is None:
+        return np.zeros(contacts.count, dtype=bool)
+    corners, owner = contacts.corners, contacts.interface
+    _, flat, made = joint_sections(contacts)
+    face = (contacts.area > 0.0) & (corners.counts > 2)
+    area = np.where(face, made.area, 1.0)
+    arm = flat - made.centroid[owner]
+    total = corners.sum(force) / area[:, None]
+    torque = corners.sum(arm[:, 0] * force[:, 2] - arm[:, 1] * force[:, 1]) / area
+    polar = np.where(face, np.trace(made.inertia, axis1=1, axis2=2), 1.0)
+    turned = np.stack([-arm[:, 1], arm[:, 0]], axis=1) * (torque / polar)[owner, None]
+    inside = face[owner]
+    pressure = np.where(inside, plane_pressure(contacts, force), force[:, 0])
+    shear = np.where(inside, lengths(total[owner, 1:] + turned), lengths(force[:, 1:]))
+    pull, cohesion, _ = contacts.corner_capacity
+    friction = contacts.friction
+    slides = np.divide(
+        capacity.cohesion, friction, out=np.full(len(area), np.inf), where=friction > 0
+    )
+    most = np.where(inside, (np.minimum(capacity.tension, slides) / area)[owner], pull)
+    holds = np.where(inside, (capacity.cohesion / area + friction * total[:, 0])[owner],
+                     cohesion + friction[owner] * force[:, 0])  # fmt: skip
+    over = (-pressure > most * (1.0 + 1e-9)) | (shear > np.maximum(holds, 0.0) * (1.0 + 1e-9))
+    unlimited = (capacity.tension >= NO_LIMIT) & (capacity.cohesion >= NO_LIMIT)
+    return corners.any(over) & ~unlimited

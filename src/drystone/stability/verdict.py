@@ -35,7 +35,6 @@ from drystone.settlement.settling import said_longer, settle_for_verdict
 from drystone.solvers.threads import one_blas_thread
 from drystone.stability.asked import SAMPLES, Asked, CheckOptions
 from drystone.stability.attempts import Attempt, Candidate
-from drystone.stability.mortar import with_brittle_mortar
 from drystone.stability.problem import (
     NO_APPROACH,
     Problem,
@@ -43,7 +42,7 @@ from drystone.stability.problem import (
     closing_blocks,
 )
 from drystone.stability.proofs import UNBALANCED
-from drystone.stability.strength import within_strength
+from drystone.stability.strength import with_brittle_mortar, within_strength
 from drystone.stability.touching_edges import unless_more_holds
 
 SLIDES_FAR = 20.0

@@ -8,7 +8,7 @@ import pytest
 
 from drystone import io
 from drystone.cli import main
-from drystone.shells.shell_by_name import shell_by_name
+from drystone.shells.shell_families import shell_by_name
 from tests.unit.cli.running import Capsys, answer
 
 DOME = ("shell", "dome", "--courses", "4", "--blocks", "8", "--thickness", "0.4")

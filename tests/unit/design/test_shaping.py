@@ -25,7 +25,7 @@ from drystone.design.corner_following import Corners
 from drystone.design.needs import Form
 from drystone.design.vertex_places import BlockVertices
 from drystone.models import arch, box, concave, dome, prism, shelf, tower
-from drystone.shells.shell_by_name import shell_by_name
+from drystone.shells.shell_families import shell_by_name
 
 
 def stack(bricks: int) -> Model:

@@ -10,7 +10,7 @@ import drystone
 from drystone import Assembly, FormatError, InputError
 from drystone.cli import main
 from drystone.design import DesignMargin, Parameter, TuneOptions, tune
-from drystone.design.tuned_values import outcome_of, planned_counts
+from drystone.design.tuning import outcome_of, planned_counts
 from drystone.models import arch, box, tower
 from drystone.sequence import LocalWorkers
 

@@ -3,8 +3,8 @@ import pytest
 
 from drystone import Block
 from drystone.base.arrays import Floats
-from drystone.geometry.closing import separate_parts
 from drystone.geometry.polyhedron import Loop
+from drystone.geometry.soup import separate_parts
 from drystone.models import box
 
 

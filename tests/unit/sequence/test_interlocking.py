@@ -6,7 +6,7 @@ import pytest
 from drystone import InputError, LoadCase, Model
 from drystone.models import arch, box, burr, dovetail, tower, wall
 from drystone.sequence import gravity_region, interlocking
-from drystone.sequence.interlocking import opening_rows
+from drystone.sequence.freedom import opening_rows
 
 DOWN, UP = [0.0, 0.0, -1.0], [0.0, 0.0, 1.0]
 X, Y = [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]

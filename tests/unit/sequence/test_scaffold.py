@@ -27,12 +27,11 @@ from drystone.sequence.evaluation import Evaluator
 from drystone.sequence.helping import mended, trimmed
 from drystone.sequence.order_search import OrderSearch
 from drystone.sequence.rules import RemovalTest, bind
-from drystone.sequence.scaffold_places import Support
-from drystone.sequence.scaffold_seats import surface_triangles
+from drystone.sequence.scaffold_places import Support, surface_triangles
 from drystone.sequence.scaffold_stages import ScaffoldedStages
 from drystone.sequence.stage_tree import Node
 from drystone.sequence.stages import Stage, StagedModel, check_both, mask_of, members
-from drystone.shells.shell_by_name import shell_by_name
+from drystone.shells.shell_families import shell_by_name
 
 PIER = box((1.0, 1.0, 1.0), name="pier")
 SLAB = box((2.4, 1.0, 0.2), (0.0, 0.0, 1.0), name="slab")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from drystone.solvers import dissection
-from drystone.solvers.dissection import LEAST_SIDE, adjacency, dissect
+from drystone.solvers.multifrontal import LEAST_SIDE, adjacency, dissect
 
 
 @pytest.fixture(autouse=True)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from drystone.solvers.dissection import adjacency, part_fronts
+from drystone.solvers.multifrontal import adjacency, part_fronts
 
 
 def graph_of(pairs, count):

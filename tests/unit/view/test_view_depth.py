@@ -12,7 +12,7 @@ from drystone.assembly import Assembly, Block
 from drystone.contacts import Contacts
 from drystone.geometry.frames import frames_from_normals, rotation_about, unit
 from drystone.models import box
-from drystone.view.depth import ordered_patches, topological
+from drystone.view.ink import ordered_patches, topological
 from tests.unit.view.pictures import notched
 
 VIEWS = [
