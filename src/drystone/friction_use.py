@@ -12,8 +12,7 @@ import numpy as np
 from drystone.base.arrays import ROUNDING, Bools, Floats, Ints, dot, frozen, lengths, plane_cross
 from drystone.base.ragged import Ragged
 from drystone.contacts import Contacts
-from drystone.geometry.kern import Sections, edge_ratio
-from drystone.geometry.pressure import linear_pressure
+from drystone.geometry.kern import Sections, edge_ratio, linear_pressure
 from drystone.geometry.quadrature import FacePoints, cut_face_points
 from drystone.geometry.slipping import Slip, clipped, slip_use
 from drystone.joints import Resultants, bearable
@@ -75,7 +74,7 @@ class PressedFaces:
         From the centre of pressure, as all places here.
     area : (t,) [m2]
     plane : (t, 3)
-        As :func:`drystone.geometry.pressure.linear_pressure` gives it. The pressure has its centre
+        As :func:`drystone.geometry.kern.linear_pressure` gives it. The pressure has its centre
         at the origin, or just within the rim for a force on it.
     """
 

@@ -16,8 +16,7 @@ from drystone.base.ragged import Ragged, linked, sum_by_owner
 from drystone.base.settings import hold
 from drystone.base.table import Table
 from drystone.contacts import Contacts
-from drystone.geometry.kern import edge_ratio, kern_ratio
-from drystone.geometry.pressure import peak_pressure
+from drystone.geometry.kern import edge_ratio, kern_ratio, peak_pressure
 from drystone.virtual import joint_sections
 
 HINGED = 0.99

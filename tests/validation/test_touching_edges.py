@@ -29,7 +29,7 @@ from drystone import (
 )
 from drystone.detection import DetectionOptions
 from drystone.geometry.frames import rotation_about
-from drystone.mechanics.touching import further_contacts
+from drystone.mechanics.meeting import further_contacts
 from drystone.models import box, prism
 from drystone.sequence import Structure
 from drystone.settlement import End, SettlementOptions, push, reduce_friction, settle

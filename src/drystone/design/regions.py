@@ -25,8 +25,7 @@ from drystone.results import Result
 from drystone.solvers.program import ConicStatus, ProgramBuilder
 from drystone.solvers.threads import one_blas_thread
 from drystone.stability import check
-from drystone.stability.problem import Problem
-from drystone.stability.proofs import FALLING_SHARE
+from drystone.stability.problem import FALLING_SHARE, Problem
 
 _AS_IT_LIES = PenaltyOptions(settle=False)
 """Joints are as stiff as they are: what shims could hold needs help all the same."""

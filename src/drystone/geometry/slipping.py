@@ -19,7 +19,7 @@ import numpy as np
 
 from drystone.base.arrays import Bools, Floats, dot, lengths
 from drystone.base.ragged import Ragged
-from drystone.geometry.pressure import DESCENT
+from drystone.geometry.kern import DESCENT
 
 _FAR = 2e-3
 """Least turn of a slip by its velocity over the size of the face. Poles that are farther off change

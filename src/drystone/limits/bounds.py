@@ -22,9 +22,8 @@ from drystone.base.errors import InputError
 from drystone.base.progress import Stop, Stopped
 from drystone.checks import check_forces, mechanism_defects
 from drystone.formulations.corner_forces import FrictionCone
-from drystone.formulations.equilibrium import FactorSolution, LoadFactors, held_still
+from drystone.formulations.equilibrium import FactorSolution, LoadFactors, PlaneFactors, held_still
 from drystone.formulations.nearest_mechanism import nearest_mechanism
-from drystone.formulations.plane_factors import PlaneFactors
 from drystone.geometry.frames import LEVEL_AXES
 from drystone.limits.limit_search import VerdictSearch, Width
 from drystone.limits.limit_types import Bracket, Family, LimitOptions, LoadFactor, Tilt
@@ -38,10 +37,10 @@ from drystone.programs.rbe import BALANCE_TOLERANCE, NEAREST
 from drystone.results import Result, Verdict
 from drystone.solvers.program import ConicSolution
 from drystone.solvers.threads import one_blas_thread
-from drystone.stability.problem import Problem
-from drystone.stability.proofs import (
+from drystone.stability.problem import (
     MECHANISM_TOLERANCE,
     UNBALANCED,
+    Problem,
     checked_mechanism,
     moving_blocks,
     sound_mechanism,

@@ -21,8 +21,15 @@ from drystone.models.simple import (
     two_blocks_on_incline,
 )
 from drystone.models.solids import prism, welded
-from drystone.models.unpropped import corbelled_bridge, leaning_column, winding_column
-from drystone.models.walls import buttressed_wall, corbelled_wall, ferris_wall, wall
+from drystone.models.walls import (
+    buttressed_wall,
+    corbelled_bridge,
+    corbelled_wall,
+    ferris_wall,
+    leaning_column,
+    wall,
+    winding_column,
+)
 
 __all__ = [
     "a_model",

@@ -31,7 +31,7 @@ from drystone.programs.cra import solve_cra
 from drystone.programs.penalty import HELD, PULLS, PenaltyOptions, solve_cra_penalty
 from drystone.programs.rbe import RBEOptions, solve_rbe
 from drystone.results import Result
-from drystone.stability.proofs import UNBALANCED
+from drystone.stability.problem import UNBALANCED
 
 _ALONE = "Compression alone balances the loads"
 

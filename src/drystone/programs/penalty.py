@@ -24,8 +24,7 @@ from drystone.results import Result
 from drystone.solvers.threads import one_blas_thread
 from drystone.stability.asked import SAMPLES, Asked, CheckOptions
 from drystone.stability.attempts import FALLS_FROM
-from drystone.stability.problem import Problem
-from drystone.stability.proofs import FALLING_SHARE
+from drystone.stability.problem import FALLING_SHARE, Problem
 from drystone.stability.screening import TO_REST
 from drystone.stability.verdict import decided
 

@@ -29,9 +29,9 @@ from drystone.model import Model
 from drystone.results import Result, Verdict
 from drystone.solvers.program import ConicOptions, ConicProgram, ConicStatus
 from drystone.solvers.threads import one_blas_thread
-from drystone.stability.problem import Problem
-from drystone.stability.proofs import (
+from drystone.stability.problem import (
     UNBALANCED,
+    Problem,
     balanced,
     checked_mechanism,
     moving_blocks,

@@ -25,7 +25,7 @@ from drystone.joints import plane_pressure
 from drystone.loads.applied import applied_loads, common_acceleration
 from drystone.model import Model
 from drystone.results import Result
-from drystone.stability.proofs import FALLING_SHARE, MECHANISM_TOLERANCE, moving_blocks
+from drystone.stability.problem import FALLING_SHARE, MECHANISM_TOLERANCE, moving_blocks
 from drystone.supports import own_blocks
 
 

@@ -34,7 +34,7 @@ from drystone.results import Verdict
 from drystone.sequence.solving import PartSolver, combined
 from drystone.sequence.stages import Check, Stage, StageAnswer, StagedModel, mask_of, members
 from drystone.stability.attempts import Candidate
-from drystone.stability.proofs import FALLING_SHARE, MECHANISM_TOLERANCE, UNBALANCED
+from drystone.stability.problem import FALLING_SHARE, MECHANISM_TOLERANCE, UNBALANCED
 
 
 @dataclass(frozen=True, eq=False)

@@ -30,8 +30,7 @@ from drystone.solvers.threads import one_blas_thread
 from drystone.stability import PATIENT, CheckOptions, Screening, check, try_rest
 from drystone.stability.asked import Asked
 from drystone.stability.attempts import Candidate
-from drystone.stability.problem import Problem
-from drystone.stability.proofs import UNBALANCED
+from drystone.stability.problem import UNBALANCED, Problem
 from drystone.stability.verdict import decided
 
 

@@ -24,8 +24,14 @@ from drystone.mechanics.bodies import Bodies, build_bodies, numbered_axes, numbe
 from drystone.mechanics.corners import CARRIER, Carrier
 from drystone.mechanics.drive import DrivenState, Driver
 from drystone.mechanics.follow import Bounds, Ended
-from drystone.mechanics.meeting import FARTHEST, Apart, faces_apart, followed_model, model_with_met
-from drystone.mechanics.touching import with_what_touches
+from drystone.mechanics.meeting import (
+    FARTHEST,
+    Apart,
+    faces_apart,
+    followed_model,
+    model_with_met,
+    with_what_touches,
+)
 from drystone.model import Model
 from drystone.settlement.large_types import Drive, End, LargeDisplacement, LargeState
 from drystone.settlement.path import STIFFER, block_motions, scaled_motion, support_motion

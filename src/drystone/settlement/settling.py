@@ -21,8 +21,7 @@ from drystone.io.opening import Given, LongHow, supported_model
 from drystone.mechanics.corners import Carrier
 from drystone.mechanics.follow import Course
 from drystone.mechanics.increments import FEW
-from drystone.mechanics.meeting import Apart, faces_apart, followed_model
-from drystone.mechanics.touching import with_what_touches
+from drystone.mechanics.meeting import Apart, faces_apart, followed_model, with_what_touches
 from drystone.mechanics.vertices_met import still_on_faces, vertices_met
 from drystone.model import Model
 from drystone.results import Residuals

@@ -34,9 +34,9 @@ from drystone.settlement import Settlement, SettlementOptions
 from drystone.solvers.program import ConicOptions, ConicStatus
 from drystone.solvers.threads import one_blas_thread
 from drystone.stability.attempts import Attempt, Candidate
-from drystone.stability.problem import Problem
-from drystone.stability.proofs import (
+from drystone.stability.problem import (
     FALLING_SHARE,
+    Problem,
     balanced,
     checked_mechanism,
     first_motion,

@@ -21,8 +21,7 @@ from drystone.mechanics.rest_state import RestOptions, RestState, Start, start_f
 from drystone.model import Model
 from drystone.results import Residuals, Result, Samples, Verdict
 from drystone.solvers.threads import one_blas_thread
-from drystone.stability.problem import Problem, beside_supports
-from drystone.stability.proofs import FALLING_SHARE, first_motion
+from drystone.stability.problem import FALLING_SHARE, Problem, beside_supports, first_motion
 from drystone.stability.screening import AT_REST, PATIENT, PROVED, Screening
 
 LEAST_GROUND = replace(AT_REST, ground=1e-17)

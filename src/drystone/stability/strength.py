@@ -31,8 +31,7 @@ from drystone.results import Result, Verdict
 from drystone.solvers.program import ConicStatus
 from drystone.solvers.threads import one_blas_thread
 from drystone.stability.attempts import Attempt, Candidate
-from drystone.stability.problem import Problem
-from drystone.stability.proofs import UNBALANCED, checked_mechanism, moving_blocks, undone
+from drystone.stability.problem import UNBALANCED, Problem, checked_mechanism, moving_blocks, undone
 from drystone.ties import joint_words
 from drystone.virtual import joint_sections
 

@@ -17,11 +17,10 @@ from drystone.contacts import Contacts, joined_contacts
 from drystone.detection import Missed
 from drystone.detection.advice import contacts_if_joined, words_on
 from drystone.detection.parallel_edges import ParallelEdges
-from drystone.mechanics.meeting import least_friction
-from drystone.mechanics.touching import approach, further_of, near_edges, with_edges
+from drystone.mechanics.meeting import approach, further_of, least_friction, near_edges, with_edges
 from drystone.model import Model
 from drystone.results import Result, Verdict
-from drystone.stability.proofs import (
+from drystone.stability.problem import (
     MECHANISM_TOLERANCE,
     part_of_fall,
     withdrawn,

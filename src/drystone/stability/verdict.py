@@ -37,11 +37,11 @@ from drystone.stability.asked import SAMPLES, Asked, CheckOptions
 from drystone.stability.attempts import Attempt, Candidate
 from drystone.stability.problem import (
     NO_APPROACH,
+    UNBALANCED,
     Problem,
     beside_supports,
     closing_blocks,
 )
-from drystone.stability.proofs import UNBALANCED
 from drystone.stability.strength import with_brittle_mortar, within_strength
 from drystone.stability.touching_edges import unless_more_holds
 

@@ -22,8 +22,7 @@ from drystone.formulations.nearest_mechanism import (
 )
 from drystone.models import arch, barrel_vault, box, shelf, tower
 from drystone.solvers.program import ConicStatus
-from drystone.stability.problem import Problem
-from drystone.stability.proofs import balanced, checked_mechanism, sound_mechanism
+from drystone.stability.problem import Problem, balanced, checked_mechanism, sound_mechanism
 
 
 def answer(model: Model) -> tuple[Problem, NearestMechanism]:

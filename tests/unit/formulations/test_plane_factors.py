@@ -7,8 +7,7 @@ import pytest
 
 from drystone import JointCapacity, Model
 from drystone.formulations.corner_forces import FrictionCone
-from drystone.formulations.equilibrium import LoadFactors
-from drystone.formulations.plane_factors import PlaneFactors
+from drystone.formulations.equilibrium import LoadFactors, PlaneFactors
 from drystone.loads import Fill
 from drystone.mechanics.statics import build_statics
 from drystone.models import segmental_bridge

@@ -9,8 +9,7 @@ from hypothesis import strategies as st
 from shapely.geometry import Polygon
 
 from drystone.base.arrays import Floats
-from drystone.geometry.kern import edge_ratio, sections
-from drystone.geometry.pressure import EDGE, peak_pressure
+from drystone.geometry.kern import EDGE, edge_ratio, peak_pressure, sections
 
 RECTANGLE = np.array([[0.0, 0.0], [6.0, 0.0], [6.0, 3.0], [0.0, 3.0]])
 SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])

@@ -9,8 +9,7 @@ from scipy.optimize import minimize
 from drystone.base.arrays import dot, lengths, plane_cross
 from drystone.base.ragged import Ragged
 from drystone.friction_use import LEVER
-from drystone.geometry.kern import edge_ratio, sections
-from drystone.geometry.pressure import linear_pressure
+from drystone.geometry.kern import edge_ratio, linear_pressure, sections
 from drystone.geometry.quadrature import cut_face_points
 from drystone.geometry.slipping import clipped, slip_use, turned
 

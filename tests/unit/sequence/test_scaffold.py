@@ -27,7 +27,8 @@ from drystone.sequence.evaluation import Evaluator
 from drystone.sequence.helping import mended, trimmed
 from drystone.sequence.order_search import OrderSearch
 from drystone.sequence.rules import RemovalTest, bind
-from drystone.sequence.scaffold_places import Support, surface_triangles
+from drystone.sequence.scaffold_places import Support
+from drystone.sequence.scaffold_seats import surface_triangles
 from drystone.sequence.scaffold_stages import ScaffoldedStages
 from drystone.sequence.stage_tree import Node
 from drystone.sequence.stages import Stage, StagedModel, check_both, mask_of, members

@@ -5,15 +5,15 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from drystone.solvers import dissection
+from drystone.solvers import multifrontal
 from drystone.solvers.multifrontal import LEAST_SIDE, adjacency, dissect
 
 
 @pytest.fixture(autouse=True)
 def small_parts(monkeypatch):
     """Cut small graphs too."""
-    monkeypatch.setattr(dissection, "WHOLE", 0)
-    monkeypatch.setattr(dissection, "PART", 20)
+    monkeypatch.setattr(multifrontal, "WHOLE", 0)
+    monkeypatch.setattr(multifrontal, "PART", 20)
 
 
 def a_tube(around, along):

@@ -31,8 +31,7 @@ from drystone.programs import (
 )
 from drystone.solvers.program import ConicSolution, ConicStatus
 from drystone.stability import check, try_rest
-from drystone.stability.problem import Problem
-from drystone.stability.proofs import checked_mechanism, first_motion
+from drystone.stability.problem import Problem, checked_mechanism, first_motion
 from drystone.stability.screening import (
     NEAREST,
     PATIENT,

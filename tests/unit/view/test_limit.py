@@ -13,7 +13,7 @@ from drystone.limits import Bracket, Evaluation, Limit, Quantity, limit_thicknes
 from drystone.models import arch, box, tower
 from drystone.seismic import local_mechanism
 from drystone.view import State, scene_of
-from drystone.view.panels import panel
+from drystone.view.page import panel
 
 
 @pytest.fixture(scope="module")

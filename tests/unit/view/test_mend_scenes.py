@@ -21,7 +21,7 @@ from drystone.models import arch, box, incline, tower, wall
 from drystone.settlement import push
 from drystone.ties import tied
 from drystone.view import LayerKind, State, scene_of
-from drystone.view.panels import panel
+from drystone.view.page import panel
 
 
 def test_a_diagnosis_shows_the_props_that_would_hold_it_and_nothing_else_pulls():
