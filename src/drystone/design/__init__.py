@@ -11,15 +11,6 @@ from drystone.base.settings import hold
 if TYPE_CHECKING:
     from drystone.design.allowance import joint_allowance as joint_allowance
     from drystone.design.bench import Tried as Tried
-    from drystone.design.block_surgery import Cut as Cut
-    from drystone.design.block_surgery import cut_block as cut_block
-    from drystone.design.block_surgery import faces_toward as faces_toward
-    from drystone.design.block_surgery import insert_block as insert_block
-    from drystone.design.block_surgery import merge_blocks as merge_blocks
-    from drystone.design.block_surgery import move_face as move_face
-    from drystone.design.block_surgery import split_block as split_block
-    from drystone.design.block_surgery import thicken_blocks as thicken_blocks
-    from drystone.design.block_surgery import tilted_cuts as tilted_cuts
     from drystone.design.buildable import BuildableOptions as BuildableOptions
     from drystone.design.buildable import make_buildable as make_buildable
     from drystone.design.changed import Buildable as Buildable
@@ -36,12 +27,6 @@ if TYPE_CHECKING:
     from drystone.design.diagnosis import diagnose as diagnose
     from drystone.design.joint_motion import JointMotion as JointMotion
     from drystone.design.joint_motion import JointState as JointState
-    from drystone.design.joint_surgery import hook_joint as hook_joint
-    from drystone.design.joint_surgery import key_joint as key_joint
-    from drystone.design.joint_surgery import move_joint as move_joint
-    from drystone.design.joint_surgery import still_edge as still_edge
-    from drystone.design.joint_surgery import turn_joint as turn_joint
-    from drystone.design.joint_surgery import wedge_joint as wedge_joint
     from drystone.design.margin import DesignMargin as DesignMargin
     from drystone.design.mends import MendOptions as MendOptions
     from drystone.design.mends import Mends as Mends
@@ -62,6 +47,21 @@ if TYPE_CHECKING:
     from drystone.design.shared_planes import thickening as thickening
     from drystone.design.sharpening import SharpenOptions as SharpenOptions
     from drystone.design.sharpening import sharpen as sharpen
+    from drystone.design.surgery import Cut as Cut
+    from drystone.design.surgery import cut_block as cut_block
+    from drystone.design.surgery import faces_toward as faces_toward
+    from drystone.design.surgery import hook_joint as hook_joint
+    from drystone.design.surgery import insert_block as insert_block
+    from drystone.design.surgery import key_joint as key_joint
+    from drystone.design.surgery import merge_blocks as merge_blocks
+    from drystone.design.surgery import move_face as move_face
+    from drystone.design.surgery import move_joint as move_joint
+    from drystone.design.surgery import split_block as split_block
+    from drystone.design.surgery import still_edge as still_edge
+    from drystone.design.surgery import thicken_blocks as thicken_blocks
+    from drystone.design.surgery import tilted_cuts as tilted_cuts
+    from drystone.design.surgery import turn_joint as turn_joint
+    from drystone.design.surgery import wedge_joint as wedge_joint
     from drystone.design.tuning import Parameter as Parameter
     from drystone.design.tuning import Tuned as Tuned
     from drystone.design.tuning import TuneOptions as TuneOptions
@@ -70,10 +70,9 @@ if TYPE_CHECKING:
 
 _NAMES = {
     "changed": "Buildable Changed Help Kept",
-    "block_surgery": "Cut cut_block faces_toward insert_block merge_blocks move_face split_block "
-    "thicken_blocks tilted_cuts",
+    "surgery": "Cut cut_block faces_toward hook_joint insert_block key_joint merge_blocks "
+    "move_face move_joint split_block still_edge thicken_blocks tilted_cuts turn_joint wedge_joint",
     "cuts": "CutOptions RecutOptions cut_until_free recut_joints",
-    "joint_surgery": "hook_joint key_joint move_joint still_edge turn_joint wedge_joint",
     "buildable": "BuildableOptions make_buildable",
     "diagnosis": "Diagnosis DiagnosisOptions Region diagnose",
     "allowance": "joint_allowance",

@@ -11,8 +11,8 @@ import shapely
 from drystone.assembly import Assembly, Block
 from drystone.base.arrays import SAME, Floats
 from drystone.base.errors import InputError, counted
-from drystone.design.block_surgery import CornerError, face_planes, with_moved_faces
 from drystone.design.joint_cut import block_with
+from drystone.design.surgery import CornerError, face_planes, with_moved_faces
 from drystone.free_faces import NEAR
 from drystone.geometry.convex_pieces import mesh_of, solid_of
 from drystone.geometry.frames import frames_from_normals

@@ -13,11 +13,10 @@ from drystone.assembly import Block
 from drystone.base.arrays import Ints
 from drystone.base.display import OneLine
 from drystone.base.units import quantity
-from drystone.design.block_surgery import insert_block
 from drystone.design.changed_model import acceleration_of
 from drystone.design.joint_cut import JointRecut, joint_plane, recut
-from drystone.design.joint_surgery import move_cut, still_edge, turn_cut, wedge_cut
 from drystone.design.props import PropSeat, with_props
+from drystone.design.surgery import insert_block, move_cut, still_edge, turn_cut, wedge_cut
 from drystone.design.words import friction_words, glue_words, names_of
 from drystone.joint_capacity import JointCapacity
 from drystone.model import Model

@@ -34,10 +34,16 @@ from drystone.base.declared import Offered
 from drystone.base.errors import InputError, counted
 from drystone.base.progress import Clock, LongWork
 from drystone.base.settings import Options, checked_call
-from drystone.design.block_surgery import Cut, split_block, tilted_cuts
 from drystone.design.changed import Buildable, Help, Kept, helped
-from drystone.design.joint_surgery import still_edge, turn_joint, wedge_joint
 from drystone.design.search import improved
+from drystone.design.surgery import (
+    Cut,
+    split_block,
+    still_edge,
+    tilted_cuts,
+    turn_joint,
+    wedge_joint,
+)
 from drystone.design.words import place as at_place
 from drystone.geometry.frames import unit
 from drystone.io.opening import Given, LongHow, supported_model

@@ -16,7 +16,6 @@ from drystone.base.display import rounded_up
 from drystone.base.errors import InputError, counted
 from drystone.base.units import quantity
 from drystone.design.bench import Bench, Held, Tried
-from drystone.design.block_surgery import merge_blocks, thicken_blocks, thickness_of
 from drystone.design.changed_model import acceleration_of, changed
 from drystone.design.changes import (
     MOST,
@@ -33,6 +32,7 @@ from drystone.design.margin import LARGE_REGION, SMALL_REGION, DesignMargin
 from drystone.design.needs import SEARCHED, Needs, props_of, pulls_of_region
 from drystone.design.props import PropSeat, carries, find_props, struts
 from drystone.design.search import least
+from drystone.design.surgery import merge_blocks, thicken_blocks, thickness_of
 from drystone.design.words import force_words, glue_words, listed, names_of, place, towards
 from drystone.loads import LoadCase
 from drystone.model import Model

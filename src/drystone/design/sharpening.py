@@ -20,10 +20,10 @@ from drystone.base.progress import Clock
 from drystone.base.settings import Options, checked_call
 from drystone.design.changed import Changed, Kept
 from drystone.design.joint_cut import JointPlane, joint_plane, recut
-from drystone.design.joint_surgery import wedge_cut
 from drystone.design.margin import DesignMargin
 from drystone.design.mends import kept_blocks, stands_already
 from drystone.design.search import bracket, each_needed
+from drystone.design.surgery import wedge_cut
 from drystone.io.opening import Given, LongHow, as_model
 from drystone.model import Model
 from drystone.programs.penalty import glued_state

@@ -23,8 +23,6 @@ SHORT = 1e-3
 """Contact lines shorter than this share of the block size are points; chosen."""
 PARALLEL = 0.05
 """Edges cross when the sine of their angle is larger, about 3 degrees; chosen."""
-_NEIGHBOURS = BATCH // 8
-"""Neighbours of vertices that are compared at once. Chosen: 10 MB."""
 
 
 @dataclass(frozen=True)
@@ -341,7 +339,7 @@ class _EdgeSearch:
         rests: Bools = away <= tolerance
         every = np.flatnonzero(rests)
         beside = Ragged.from_counts(self.wires.beside[0].counts[vertex[every]])
-        for some in beside.batches(_NEIGHBOURS):
+        for some in beside.batches(BATCH // 8):  # 10 MB
             near = every[some]
             part, neighbour = self.wires.around(vertex[near])
             height = heights(self.patches, self.wires.point[neighbour], part.spread(patch[near]))

@@ -22,9 +22,6 @@ from drystone.geometry.triangulate import fan_warped, point_owners, triangulate
 _MANY_CORNERS = 100_000
 """Pairs of a corner of each of two convex bodies above which their depth is measured as that of
 concave ones. Chosen: below, every direction in which they may part is tried within a second."""
-_TRIED = BATCH // 16
-"""Pairs of a point and a triangle in one batch. Chosen: the cache of the processor holds it, which
-halves the time."""
 _FINE = 10_000
 """Corners of a shared surface from which on its depth is measured at them alone. Measured: a peg of
 111,000 triangles, deep all round, takes six times as long with the middles, and is as deep."""
@@ -366,7 +363,8 @@ def _away(bodies: _Bodies, body: Ints, points: Ragged, point: Floats, tolerance:
         surface = bodies.point[triangle[of[body[i]]]]
         away[i] = farthest(point[points[i]], surface, float(tolerance[i]))
     left = np.flatnonzero(~many[points.owner])
-    for some in Ragged.from_counts(near.counts[points.owner[left]]).batches(_TRIED):
+    # the cache of the processor holds so many, which halves the time
+    for some in Ragged.from_counts(near.counts[points.owner[left]]).batches(BATCH // 16):
         mine = left[some]
         pair = points.owner[mine]
         each, place = near.take(pair)

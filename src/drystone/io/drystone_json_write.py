@@ -101,19 +101,18 @@ def contacts_content(contacts: Contacts, decimals: int | None = None) -> dict[st
 
 def _load_content(load: LoadCase) -> dict[str, Any]:
     content: dict[str, Any] = {"name": load.name, "wrench": load.wrench.tolist()}
-    if load.motion is not None:
-        content["motion"] = load.motion.tolist()
-    if load.acceleration.any():
-        content["acceleration"] = load.acceleration.tolist()
-    if load.shake.any():
-        content["shake"] = load.shake.tolist()
+    there = {
+        "motion": load.motion is not None,
+        "acceleration": load.acceleration.any(),
+        "shake": load.shake.any(),
+        "given": load.given is not None,
+    }
+    content |= {name: getattr(load, name).tolist() for name, some in there.items() if some}
     if load.masses:
         content["masses"] = [
             {name: plain.tolist() if name != "kind" else plain for name, plain in vars(one).items()}
             for one in load.masses
         ]
-    if load.given is not None:
-        content["given"] = load.given.tolist()
     if load.surface is not None:
         content["surface"] = {key: values.tolist() for key, values in vars(load.surface).items()}
     return content

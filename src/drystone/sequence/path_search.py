@@ -398,9 +398,7 @@ class _PathSearch:
         by_turn = float(np.sqrt(2.0 * play / radius)) / spin if radius else np.inf
         by_shift = STEP * size / speed if speed > 1e-9 else np.inf
         step = min(by_turn, by_shift)
-        last = min(
-            np.pi / spin if radius else np.inf, 1.5 * size / speed if speed > 1e-9 else np.inf
-        )
+        last = min(np.pi / spin if radius else np.inf, 1.5 / STEP * by_shift)
         reached, amount, centre = [pose], 0.0, self._centre(pose)
         finest = min(step, play / (2.0 * self.mover.reach * spin)) if radius else step
         while amount < last and not self._spent:
