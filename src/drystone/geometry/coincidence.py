@@ -159,10 +159,8 @@ def weld_each(
     every = np.concatenate([np.zeros((0, 3)), *vertices])
     reach = tolerance * np.linalg.norm(of_body.max(every, 0.0) - of_body.min(every, 0.0), axis=1)
     first = first_coincident(every, of_body.spread(reach), of_body.owner).tolist()
-    welded = []
-    for loops, begin in zip(faces, of_body.first.tolist(), strict=True):
-        welded.append(_on_first(loops, first, begin))
-    return welded
+    starts = zip(faces, of_body.first.tolist(), strict=True)
+    return [_on_first(loops, first, begin) for loops, begin in starts]
 
 
 def _on_first(

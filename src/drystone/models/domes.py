@@ -127,9 +127,9 @@ def lune(
         point[:, :, side, 0] = across * np.cos(turn)
         point[:, :, side, 1] = across * np.sin(turn)
         point[:, :, side, 2] = sphere[:, None] * np.sin(latitude)
-    blocks: list[Block] = []
-    for ring in range(rings):
-        blocks.append(welded(shell_faces(point[:, ring : ring + 2]), f"ring-{ring:02d}"))
+    blocks = [
+        welded(shell_faces(point[:, ring : ring + 2]), f"ring-{ring:02d}") for ring in range(rings)
+    ]
     reach = 1.1 * float(sphere[1])
     depth = 0.1 * radius
     ground = box((2.0 * reach, 2.0 * reach, depth), (-0.5 * reach, -reach, -depth), "ground")

@@ -257,17 +257,10 @@ class LargeDisplacement(Answer):
                     for joint in sorted(joints - before.get(kind, set()))
                 ]
             before = now
-        joint = [row[4] for row in rows]
-        a, b = self.contacts.block_a, self.contacts.block_b
-        columns: dict[str, Any] = {
-            "state": [row[0] for row in rows],
-            "displacement": [row[1] for row in rows],
-            "load": [row[2] for row in rows],
-            "event": [row[3] for row in rows],
-            "joint": joint,
-            "block_a": [names[a[i]] for i in joint],
-            "block_b": [names[b[i]] for i in joint],
-        }
+        told = ("state", "displacement", "load", "event", "joint")
+        columns: dict[str, Any] = {name: [row[i] for row in rows] for i, name in enumerate(told)}
+        for side in ("block_a", "block_b"):
+            columns[side] = [names[getattr(self.contacts, side)[row[4]]] for row in rows]
         named = {"displacement": "m"} | ({"load": self.unit} if self.unit else {})
         return Table("events", columns, named)
 
