@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
+import shapely
 
 from drystone import models
 from drystone.assembly import Assembly
-from drystone.base.arrays import Floats
 from drystone.geometry.frames import rotation_about
 from drystone.geometry.kern import kern
 from drystone.loads import LoadCase
@@ -57,19 +57,13 @@ def kerns() -> Case:
                  "what equation 4.16 gives for it")
         )  # fmt: skip
     triangle = np.array([[0.0, 0.0], [2.0, 0.0], [0.5, 1.0]])
-    share = float(np.sqrt(_area(kern(triangle)) / _area(triangle)))
+    share = math.sqrt(shapely.Polygon(kern(triangle)).area / shapely.Polygon(triangle).area)
     lines.append(
         Line("triangle: side of the kern by that of the triangle", "1/4", f"{share:.6f}",
              math.isclose(share, 0.25), "what equation 4.16 gives for it")
     )  # fmt: skip
     arch = solve_rbe(Model.of(models.buttressed_arch(), friction=0.6))
     return Case("4.3", "Kern of a polygonal interface", tuple(lines), {"arch": arch})
-
-
-def _area(polygon: Floats) -> float:
-    """Area of a convex polygon (c, 2)."""
-    x, y = (polygon - polygon.mean(axis=0)).T
-    return float(0.5 * abs((x * np.roll(y, -1) - y * np.roll(x, -1)).sum()))
 
 
 def resultants() -> Case:
