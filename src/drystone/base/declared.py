@@ -218,7 +218,7 @@ def options_of(of: Callable[..., Any]) -> list[str]:
         return list(declared(of))
     found = []
     for name, one in declared(of).items():
-        kind = one.kinds[0] if one.kinds else None
+        kind = next(iter(one.kinds), None)
         words = hasattr(kind, "named") or hasattr(kind, "of_words")
         if isinstance(kind, type) and issubclass(kind, Options) and not words:
             found += [f"{name}.{inner}" for inner in declared(kind)]  # type: ignore[arg-type]

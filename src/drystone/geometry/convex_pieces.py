@@ -147,18 +147,19 @@ def _cut(part: manifold3d.Manifold) -> Sequence[manifold3d.Manifold]:
              if high[t] and size[t] > 0.0]  # fmt: skip
     least = SAME * part.volume()
     for choice in (*bent, *faces):
-        best: tuple[int, Sequence[manifold3d.Manifold]] | None = None
-        for along, offset in choice:
-            above = part.trim_by_plane(along, offset + kerf)
-            halves = (above, part.trim_by_plane(-along, kerf - offset))
-            if min(half.volume() for half in halves) <= least:
-                continue
-            left = sum(len(_concave_edges(*mesh_of(half))[0]) for half in halves)
-            if best is None or left < best[0]:
-                best = (left, halves)
-        if best is not None:
-            return best[1]
+        cuts = [
+            (part.trim_by_plane(along, offset + kerf), part.trim_by_plane(-along, kerf - offset))
+            for along, offset in choice
+        ]
+        cuts = [halves for halves in cuts if min(half.volume() for half in halves) > least]
+        if cuts:
+            return min(cuts, key=_bends_left)
     return [part.hull()]
+
+
+def _bends_left(halves: Sequence[manifold3d.Manifold]) -> int:
+    """Number of concave edges of two parts."""
+    return sum(len(_concave_edges(*mesh_of(half))[0]) for half in halves)
 
 
 def _normals(corner: Floats) -> tuple[Floats, Floats]:

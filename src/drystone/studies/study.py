@@ -451,7 +451,7 @@ def _rows(parameters: Any) -> list[dict[str, Any]]:
     else:
         rows = [dict(of_type(one, Mapping, "a row", "give a dictionary"))  # type: ignore[type-abstract]
                 for one in parameters]  # fmt: skip
-    if not rows or not rows[0]:
+    if not any(rows[:1]):
         raise InputError("there is no row", where="parameters", remedy="give values of each")
     for number, row in enumerate(rows):
         if list(row) != list(rows[0]):
