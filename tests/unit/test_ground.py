@@ -650,6 +650,7 @@ def test_pressures_on_the_same_faces_are_added_in_their_picture() -> None:
         ("earth:side=-x,weight=18kN/m3,k=active:30", "'30' is no angle; write active:30deg"),
         ("earth:side=-x,weight=18kN/m3,k=30deg", "'30deg' is an angle; write active:30deg"),
         ("earth:side=-x,weight=18kN/m3,k=0.3,wall_friction=active:30deg", "is not a number"),
+        ("earth:side=-x,weight=18kN/m3,k=0.3,surcharge=5psf", "use one of Pa, kPa, MPa, kN/m2"),
         (
             "earth:side=-x,weight=18kN/m3,wall_friction=50deg,k=active:30deg",
             "of 50 degrees is more than that of the earth, 30; give no more than 30deg",

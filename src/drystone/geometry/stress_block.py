@@ -148,10 +148,10 @@ def _newton(corners: Floats, loops: Ragged, slope: Floats) -> tuple[Floats, Floa
     share = height / np.where(crosses, height - height[after], 1.0)
     sign = np.where(crosses, np.where(inside, 1.0, -1.0), 0.0)
     t = place + share * (place[after] - place)
-    length, first, second = (loops.sum(sign * t**n / n) for n in (1, 2, 3))
+    width, first, second = (loops.sum(sign * t**n / n) for n in (1, 2, 3))
     foot = -1.0 / steepness  # of the line, by the direction across it
     hessian = np.empty((len(slope), 2, 2))
-    hessian[:, 0, 0], hessian[:, 1, 1] = foot**2 * length, second
+    hessian[:, 0, 0], hessian[:, 1, 1] = foot**2 * width, second
     hessian[:, 0, 1] = hessian[:, 1, 0] = foot * first
     hessian /= steepness[:, None, None]
     turned = np.stack([dot(gradient, across), dot(gradient, along)], axis=1)
@@ -169,5 +169,8 @@ def _newton(corners: Floats, loops: Ragged, slope: Floats) -> tuple[Floats, Floa
     size = np.hypot(turned[:, 0], turned[:, 1])
     steep = -turned * (0.5 * steepness / np.where(size > 0.0, size, 1.0))[:, None]
     chosen = np.where(known[:, None], newton, steep)
+    # near the centroid the first line cuts so little that the step is 1e8 times too long
+    length = np.hypot(chosen[:, 0], chosen[:, 1])
+    chosen *= np.minimum(1.0, steepness / np.where(length > 0.0, length, 1.0))[:, None]
     step = chosen[:, :1] * across + chosen[:, 1:] * along
     return value, step, -dot(turned, chosen)

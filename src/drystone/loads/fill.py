@@ -894,7 +894,8 @@ def force(text: str) -> float:
 def pressure(text: str) -> float:
     """A pressure [Pa], such as ``10kPa`` or ``10kN/m2``."""
     size, slash, _ = text.partition("/m2")
-    return units.measured(size, units.FORCES if slash else units.PRESSURES, what="pressure")
+    known = units.FORCES if slash else units.PRESSURES | {"kN/m2": 1e3}  # to be told
+    return units.measured(size, known, what="pressure")
 
 
 def length(text: str) -> float:

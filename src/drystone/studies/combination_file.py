@@ -145,7 +145,7 @@ class Combination(OneLine):
     @property
     def words(self) -> str:
         """Such as ``1.35 weight + 1.5 cart``."""
-        each = (f"{factor:+.4g} {name}" for name, factor in self.factors.items())
+        each = (f"{factor:+.6g} {name}" for name, factor in self.factors.items())
         return " ".join(f"{one[0]} {one[1:]}" for one in each).removeprefix("+ ")
 
     @property

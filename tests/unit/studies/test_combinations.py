@@ -98,6 +98,14 @@ def test_friction_and_strength_are_divided(tmp_path: Path) -> None:
     assert one.contacts.friction.tolist() == pytest.approx([1.6])
 
 
+def test_a_factor_is_told_with_all_of_its_digits(tmp_path: Path) -> None:
+    """1.35 times a psi of 0.75 is 1.0125."""
+    own = '[[situation]]\nname = "own"\npermanent = [1, 1]\nleading = [1.35, 0]\nothers = [1, 0]'
+    cart = PUSH.format(1).replace("0.7, 0.5, 0.3", "0.75, 0.75, 0")
+    (_, one) = read_combinations(written(tmp_path, own, WEIGHT, cart), STACK)
+    assert one.words == "1 weight + 1.0125 push"
+
+
 def test_ties_are_divided_by_a_factor_of_their_own(tmp_path: Path) -> None:
     """That of joints made 9 kN of it 3 kN, and the tie that a wall needs three times as large."""
     held = with_tie_words(STACK, ["block-0:block-1:9kN"])
