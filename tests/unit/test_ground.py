@@ -310,6 +310,32 @@ def test_a_face_that_goes_on_above_the_road_is_pressed_below_it_only() -> None:
     assert wrench[:, 3] == pytest.approx([-outwards * arm, outwards * arm])
 
 
+def test_walls_that_turn_in_plan_or_end_askew_are_pressed_by_their_true_length() -> None:
+    """5 m, and 4 m splayed by 20 degrees with its end; no fill stands on the ground beside them."""
+    deck = box((12.0, 10.0, 0.5), (-1.0, -3.0, -0.5), "deck")
+    straight, turn = (
+        box((5.0, 0.5, 2.0), name="s"),
+        rotation_about(np.array([0.0, 0.0, 1.0]), -20.0),
+    )
+    south = [
+        straight,
+        box((4.0, 0.5, 2.0), (0.0, -0.5, 0.0), "s2").transformed(turn, (5.0, 0.5, 0.0)),
+    ]
+    north = [
+        welded(
+            [(b.vertices * [1, -1, 1] + [0, 4, 0])[list(f)][::-1] for f in b.faces], b.name + "n"
+        )
+        for b in south
+    ]
+    both = Assembly([deck, *south, *north]).with_fixed(["deck"])
+    one = Assembly([box((5.0, 2.0, 0.5), (0.0, 0.0, -0.5), "deck"), straight])
+    fill, push = Fill(cover=0.1, weight=2e4, k=0.4), 0.4 * 2e4 * (2.1**2 - 0.1**2) / 2.0
+    splayed = push * (4.0 * np.cos(np.radians(20.0)) - 0.5 * np.sin(np.radians(20.0)))
+    want = np.array([-5.0 * push, -splayed, 5.0 * push, splayed])
+    assert fill.on(both).wrench[1:, 1] == pytest.approx(want)
+    assert fill.on(one).wrench[1, 1] == pytest.approx(-5.0 * push)
+
+
 @pytest.mark.parametrize("skew", [0.2, 0.6, 1.0])
 def test_fill_between_two_places_of_a_skew_bridge_is_that_of_a_narrower_one(skew: float) -> None:
     shear = np.array([[1.0, skew, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])

@@ -296,6 +296,9 @@ class Tops:
             steep = (slope > 1.0 / _PLUMB) & (slope > (1.0 + SAME) * np.abs(plan.slope[:, 0]))
             steep &= (plan.width.max(axis=1) > _UPRIGHT * self.breadth) & ~_plumb(plan)
             steep &= ~self.assembly.fixed[plan.block] & (plan.beyond <= plan.r.mean(axis=1))
+            middle = self.sides.mean() * (plan.axes[1] @ self.strips.axes[1])
+            steep &= plan.s.mean(axis=1) > middle
+            held = held | (steps.r.mean(axis=1) < middle)  # it looks inwards
             slopes.append(steep)
             bad, faces = plan.chosen(steep & (slope > 1.0)), self._behind(steps.chosen(~held))
             blocks += [bad.block, faces.block]
@@ -459,6 +462,14 @@ class Tops:
         rise = last[one] - floor
         most = np.maximum(plan.beyond, plan.highest.max(axis=1))[other]
         held = most > (0.5 * (last[one] + floor)).mean(axis=1)
+        if not at_ends and self.fill.between is None:  # fixed ground outside holds none
+            free, final = (
+                np.flatnonzero(~self.assembly.fixed[plan.block]),
+                np.full(band[-1] + 1, -1),
+            )
+            np.maximum.at(final, band[free], free)
+            inwards = edge.mean(axis=1) < self.sides.mean() * (plan.axes[1] @ self.strips.axes[1])
+            goes_on &= held | inwards | (final[band[other]] >= other)
         turn = np.array([[-1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, 1.0, 0.0]])
         t, s, width, r = (x[:, ::-1] for x in (-plan.t[one], 0.5 * (last[one] + floor), rise, edge))
         steps = SeenStrips(turn @ plan.axes, plan.block[one], t, s, width, r, 0.0 * plan.slope[one])
@@ -506,7 +517,7 @@ class Tops:
         if not max(self.fill.k, self.fill.passive):
             return ()
         axes, slit = self.strips.axes, _SLIT * self.breadth
-        middle = 0.5 * (self.above.s.min() + self.above.s.max())
+        middle = np.average(self.above.s.mean(axis=1), weights=self.above.area)
         skew, below, bare = [], [], []
         for way, seen in enumerate(self.beside):
             eye = seen.axes[2]
@@ -515,7 +526,7 @@ class Tops:
                 skew.append(seen.block[np.abs(seen.normal @ axes[1]) > 1.0 / _PLUMB])
             every = SeenStrips.all_of(self.assembly, seen.axes)
             away = (every.middle @ axes.T - [self.middle, middle, 0.0]) @ axes @ eye
-            held = away > 0.0 if way < 2 else away < 0.0
+            held = away > 0.0 if way < 2 else away < slit
             held &= (np.abs(every.normal[:, 2]) <= 1.0 / _PLUMB) & self._looks(every)
             every = every.chosen(held & ~self.assembly.fixed[every.block])
             near = (every.middle + slit * eye) @ axes.T
