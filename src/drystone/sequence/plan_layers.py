@@ -11,7 +11,7 @@ from drystone.answer import Layer, LayerKind, MarkerShape, SceneStage, State
 from drystone.answer.drawing import help_layer, interface_layers, load_layers
 from drystone.answer.question import directions
 from drystone.assembly import Assembly
-from drystone.base.arrays import Floats, Ints
+from drystone.base.arrays import Bools, Floats, Ints
 from drystone.base.display import named
 from drystone.base.errors import counted
 from drystone.base.ragged import Ragged
@@ -120,8 +120,16 @@ def stage_of(
         motion_name="Insertion", arrives=True, prop=prop, up=up, gravity=gravity,
         layers=interface_layers(contacts, shown) + help_needed,
     )  # fmt: skip
-    if not forces or not len(answer.corner):
+    return with_forces(stage, model, answer, shown) if forces else stage
+
+
+def with_forces(
+    stage: SceneStage, model: StagedModel, answer: StageAnswer, shown: Bools
+) -> SceneStage:
+    """A stage with the forces of an answer, where it has some, at the interfaces shown (m,)."""
+    if not len(answer.corner):
         return stage
+    contacts = model.contacts
     force = np.zeros((contacts.corner_count, 3))
     force[answer.corner] = answer.force
     asked = Model(model.assembly, contacts, model.model.load)
@@ -145,7 +153,10 @@ def _sentence(answer: StageAnswer, state: Ints) -> str:
 
 
 def summary_stage(plan: PlannedSteps, title: str, message: str, verdict: Verdict) -> SceneStage:
-    """The complete structure in the colours of the statuses; the edges of what it warns of."""
+    """The complete structure in the colours of the statuses, with the forces of the last step.
+
+    What it warns of has its edges drawn.
+    """
     state = np.array([_STATE_OF[one] for one in plan.status], dtype=np.intp)
     waiting = [b for b, why in plan.impossible.items() if why.startswith(WAITS)]
     missing = [b for b in plan.impossible if b not in waiting]
@@ -154,18 +165,20 @@ def summary_stage(plan: PlannedSteps, title: str, message: str, verdict: Verdict
     if missing:
         message += f"; cannot be placed: {named([assembly.names[b] for b in missing])}"
     here, contacts = state != State.ABSENT, plan.model.contacts
+    shown = here[contacts.block_a] & here[contacts.block_b]
     up, gravity = directions(assembly, plan.model.load)
-    return SceneStage(
+    stage = SceneStage(
         f"all blocks, after {counted(len(plan.steps), 'step')}", title, message, state, verdict,
         up=up, gravity=gravity,
         layers=(
-            *interface_layers(contacts, here[contacts.block_a] & here[contacts.block_b]),
+            *interface_layers(contacts, shown),
             *load_layers(assembly, plan.model.load),
             *outlined(assembly, waiting, "waiting", "waits for what cannot be placed"),
             *outlined(assembly, missing, "left-out", "cannot be placed", "help"),
             *outlined(assembly, unsure, "unsure", "not shown to stand when placed"),
         ),
     )  # fmt: skip
+    return with_forces(stage, plan.model, plan.steps[-1].answer, shown) if plan.steps else stage
 
 
 def with_robots(

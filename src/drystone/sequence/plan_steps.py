@@ -6,7 +6,7 @@ The checks of a step of a plan, and of what it would be without its help.
 from __future__ import annotations
 
 import enum
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 
@@ -367,12 +367,19 @@ def permanent(model: StagedModel) -> tuple[Ints, Ints]:
     return at, ends[at][~prop[ends[at]]]
 
 
-def permanent_words(model: StagedModel, order: Iterable[int]) -> str:
-    """How many props are fixed blocks, and the first in an order that needs one; else empty."""
-    carried = set(permanent(model)[1].tolist())
-    first = next((model.assembly.names[block] for block in order if block in carried), "")
+def permanent_words(model: StagedModel, order: Collection[int]) -> str:
+    """How many props are fixed blocks, and the first in an order that needs each; else empty."""
+    contacts, rank = model.contacts, {block: i for i, block in enumerate(order)}
+    first: dict[int, int] = {}
+    for at, block in zip(*permanent(model), strict=True):
+        prop = int(contacts.block_a[at] + contacts.block_b[at] - block)
+        if block in rank:
+            first[prop] = min(first.get(prop, len(rank)), rank[block])
+    names = [model.assembly.names[block] for i, block in enumerate(order) if i in first.values()]
     props = counted(int(props_of(model.assembly).sum()), "permanent prop")
-    return f"{props}, which must be there before '{first}'" if first else ""
+    before = "before" if len(names) == 1 else "before the first block on each:"
+    blocks = named([f"'{one}'" for one in names])
+    return f"{props}, which must be there {before} {blocks}" if names else ""
 
 
 def falling_words(answer: StageAnswer, names: Sequence[str]) -> str:

@@ -32,7 +32,7 @@ from drystone.sequence.stages import StageAnswer, members
 _REASONS = 3
 """Steps whose need of help, or margin of zero, is told in sentences; the numbers have all."""
 
-_SILENT = "with", "robot", "prop_force", "prop_stages", "propped_now", "margin"
+_SILENT = "with", "robot", "prop_force", "prop_set", "prop_stages", "propped_now", "margin"
 _COLUMNS = ("step", "block", "status", *_SILENT[:-1], "friction_used", "margin")
 """Of the table of a plan, and those that are hidden where they say nothing."""
 
@@ -311,7 +311,8 @@ class Plan(PlannedSteps, Answer):
     def table(self) -> Table:
         """A row per block in the order of assembly.
 
-        Its step, status, partners, the robot that places or holds it, its prop, how many props
+        Its step, status, partners, the robot that places or holds it, the force of its prop,
+        the step in which it is set and the stages for which it stays, how many props
         stand, the friction used after the step, and whether the margin is zero then. Columns that
         say nothing are hidden.
         """
@@ -328,8 +329,8 @@ class Plan(PlannedSteps, Answer):
         step, partners = self.steps[number], " ".join(names[p] for p in self.partners(block))
         return (
             number + 1, names[block], self.status[block].value, partners, robot,
-            prop.force if prop else 0.0, prop.stages if prop else 0, len(step.props),
-            step.answer.used, "zero" if number in self.on_edge else "",
+            prop.force if prop else 0.0, prop.first + 1 if prop else 0, prop.stages if prop else 0,
+            len(step.props), step.answer.used, "zero" if number in self.on_edge else "",
         )  # fmt: skip
 
     def layers(self) -> Scene:

@@ -154,7 +154,10 @@ class Turns(Answer):
         how = "each robot carries its block and holds it until the next one is in place"
         return [
             Sentence(self.title, self._role),
-            Sentence(f"{how}: its hold is the larger force of the two; a smaller one may do"),
+            Sentence(
+                f"{how}: its hold is the larger of its weight, carried, and the force that "
+                "holds it then; a smaller one may do"
+            ),
             Sentence(held if self.works else self.stopped or self._failure),
         ]
 

@@ -185,6 +185,17 @@ def test_a_block_on_a_tower_is_gripped_at_all_but_its_bottom():
     assert [round(width, 9) for _, _, width in top.pairs] == [1.0, 1.0]
 
 
+def test_a_plan_says_before_which_block_each_permanent_prop_must_stand():
+    shelf = box((3.0, 1.0, 1.0), name="base")
+    blocks = [shelf]
+    blocks += [box((1.0, 1.0, 0.2), (x, 0.0, 1.0), name) for x, name in ((-0.8, "a"), (2.8, "b"))]
+    blocks += [box((0.2, 1.0, 0.2), (x, 0.0, 0.8), f"prop-{i}") for i, x in ((1, -0.8), (2, 3.6))]
+    found = plan(Model.of(Assembly(tuple(blocks), [True, False, False, True, True])))
+    needs = "2 permanent props, which must be there before the first block on each: 'a', 'b'"
+    assert needs in [one.text for one in found.sentences()]
+    assert found.layers().stages[-1].force.any()  # the page opens with these
+
+
 def test_triangles_in_one_plane_are_gripped_as_one_face():
     def work_of(shape):
         return handling(plan(Model.of(Assembly((box((1.0, 1.0, 0.1)), shape), [True, False]))))
@@ -401,6 +412,9 @@ def test_a_plan_with_props_names_turns_without_and_what_is_proved() -> None:
     said = "".join(one.text for one in found.sentences())
     assert "no order has fewer blocks propped or held, of hands that let go after each step" in said
     assert "forces were not compared" in said
+    columns = found.table().columns
+    when = dict(zip(columns["block"], columns["prop_set"], strict=True))
+    assert [when[one["block"]] for one in found.numbers()["props"]] == [3, 4, 5]
     weak = PlanOptions(rules=Rules(payload=60.0))
     assert "--turns" not in plan(thin, friction=0.7, options=weak).message
     alone = PlanOptions(rules=Rules(hands=1))
