@@ -539,16 +539,27 @@ def _turning(
         return *_about(model, chosen, along, origin, axis), remarks
     least, ends, found = _soonest(model, chosen, along)
     remarks += [f"the part turns about the edge of its foot from {ends}"] if ends else []
-    bottom = np.array([assembly.blocks[i].vertices[:, 2].min() for i in chosen])
-    for level in np.unique(bottom)[1:]:
-        upper = chosen[bottom >= level]
+    return *found, [*remarks, *_upper_ones(model, chosen, along, least)]
+
+
+def _upper_ones(model: Model, part: Ints, along: Floats, least: float) -> list[str]:
+    """That what stands on level beds of a part turns sooner than the part, at ``least``."""
+    assembly, contacts, told = model.assembly, model.contacts, []
+    bottom = np.full(len(assembly), -np.inf)
+    bottom[part] = [assembly.blocks[i].vertices[:, 2].min() for i in part]
+    rise, height = np.abs(contacts.frame[:, 0, 2]), contacts.centroid[:, 2]
+    for level in np.unique(bottom[part])[1:]:
+        upper = bottom >= level
+        cut = (upper[contacts.block_a] != upper[contacts.block_b]) & (rise > _CLOSE)
+        uneven = (rise < 1.0 - _CLOSE) | (np.abs(height - level) > _CLOSE * assembly.size.max())
+        if (cut & uneven & ~contacts.ties).any():
+            continue
         with suppress(InputError):  # a tie without a strength holds it
-            sooner, *_ = _soonest(model, upper, along)
+            sooner, *_ = _soonest(model, np.flatnonzero(upper), along)
             if sooner < (1.0 - _CLOSE) * least:
-                told = named([assembly.names[i] for i in upper])
-                told = f"what is above {level:.4g} m turns sooner, at {sooner:.4g} g: {told}"
-                remarks, least = [*remarks, told], sooner
-    return *found, remarks
+                names, least = named([assembly.names[i] for i in np.flatnonzero(upper)]), sooner
+                told = [f"what is above {level:.4g} m turns sooner, at {sooner:.4g} g: {names}"]
+    return told
 
 
 def _soonest(model: Model, part: Ints, along: Floats) -> tuple[float, str, tuple[Turning, Floats]]:

@@ -9,7 +9,7 @@ import pytest
 import drystone
 from drystone import Assembly, DrystoneError, InputError, JointCapacity, LoadCase, Model
 from drystone.cli import main
-from drystone.models import box
+from drystone.models import arch, box
 from drystone.report.sketches import answer_pictures
 from drystone.seismic import LocalMechanism, SeismicDemand, Spectrum, local_mechanism
 
@@ -213,6 +213,7 @@ def test_what_turns_sooner_within_a_part_is_told() -> None:
     assert found.remarks == ("what is above 2 m turns sooner, at 0.1 g: parapet",)
     tied = local_mechanism(model, part="wall,parapet", tie="wall@0.1,1,1:parapet@0.5,1,3")
     assert not tied.remarks
+    assert not local_mechanism(arch(0.2, 9), part="voussoir-*").remarks  # its joints are no beds
 
 
 def test_what_is_behind_an_oblique_line_is_so_along_the_earthquake() -> None:
