@@ -1,5 +1,6 @@
 """What all tests share; read before any of them imports numpy."""
 
+import functools
 import gc
 import os
 import sys
@@ -48,6 +49,7 @@ SLOW |= {
 """Of tests/unit: what takes longer than the quick look of ``pytest -m fast`` may."""
 
 
+@functools.cache
 def is_fast(path: Path) -> bool:
     """Whether a file or folder of tests may hold what a person runs while writing."""
     unit = Path(__file__).parent / "unit"

@@ -104,7 +104,7 @@ def test_what_falls_without_sliding_over_an_end_says_nothing_of_ends() -> None:
 
 
 def test_a_tilt_that_is_undecided_names_all_that_decides() -> None:
-    load = limits.LimitOptions(width=1.0)
+    load = limits.LimitOptions(width=2.0)
     found = limits.limit_tilt(wedge("b"), (1.0, 0.0, 0.0), friction=0.84, options=load)
     told = " ".join(found.remarks)
     assert "which block carries the ends of the joints (--ends)" in told
