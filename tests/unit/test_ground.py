@@ -478,9 +478,9 @@ def test_a_bar_across_another_one_takes_the_fill_above_where_they_cross(degrees:
 
 
 def test_joints_along_meridians_of_a_dome_are_not_below_fill() -> None:
-    assert not any(
-        len(one.block) for one in Tops.of(dome(), Fill(0.4, 2e4, k=0.5, between=(-9.0, 9.0))).beside
-    )
+    tops = Tops.of(dome(), Fill(0.4, 2e4, k=0.5, between=(-9.0, 9.0)))
+    assert not any(len(one.block) for one in tops.beside)
+    assert not tops.notes
 
 
 def test_a_road_that_rises_adds_fill_at_one_end_and_takes_it_at_the_other() -> None:

@@ -529,7 +529,7 @@ class Tops:
             held = away > 0.0 if way < 2 else away < slit
             held &= (np.abs(every.normal[:, 2]) <= 1.0 / _PLUMB) & self._looks(every)
             every = every.chosen(held & ~self.assembly.fixed[every.block])
-            near = (every.middle + slit * eye) @ axes.T
+            near = (every.middle + slit * every.normal) @ axes.T
             open_ = ~self._covered(near) & (near[:, 2] < self.level(near[:, 0]))
             if way < 2:
                 open_ &= (near[:, 1] > self._sides[0]) & (near[:, 1] < self._sides[1])
