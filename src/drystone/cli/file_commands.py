@@ -18,6 +18,7 @@ from drystone.cli.told import Pictures, Told, left_out
 from drystone.cli.waiting import Waiting
 
 if TYPE_CHECKING:
+    from drystone.io.draft import Contents
     from drystone.io.registry import Format
 
 
@@ -63,7 +64,7 @@ def convert(
     from drystone.ties import with_ties
 
     how = source.how
-    friction = how.pop("friction", None)
+    friction, density = how.pop("friction", None), how.pop("density", None)
     if (contacts or friction is not None) and joint_allowance is not None:
         raise InputError(
             "blocks with a joint allowance touch nowhere",
@@ -88,6 +89,8 @@ def convert(
     waiting.stage("read", f"reading {source.name}")
     read = io.read_file(source.place, **how)
     notes = list(read.notes)
+    if density is not None:
+        read = _with_density(read, density, chosen)
     if supports is not None:
         grounded, fixed = ground_of(read.assembly, supports)
         placed = select(grounded, str(fixed))
@@ -124,6 +127,17 @@ def convert(
     told += [Sentence(said, Role.REMARK) for said in left_out(chosen, units, read)]
     found = Statement(tuple(told), values=values)
     return Told(found, subject=source.name, notes=notes, written=[target])
+
+
+def _with_density(read: Contents, density: float, chosen: Format) -> Contents:
+    """What was read with a density of all blocks; refused where it would not be in the file."""
+    if "densities" in chosen.loses:
+        what, remedy = f"{chosen.title} does not store it", "give it when the model is checked"
+        raise InputError(what, where="--density", remedy=remedy)
+    if read.loads:
+        what, remedy = "the loads of the file hold its weight", "give it when the model is checked"
+        raise InputError(what, where="--density", remedy=remedy)
+    return replace(read, assembly=read.assembly.with_density(density), results=())
 
 
 def _refuse_lost_friction(chosen: Format, contacts: bool) -> None:

@@ -216,7 +216,8 @@ class Converted(Subject):
     """Blocks that are written again."""
 
     reading: Annotated[
-        Analysis, HOW((*_READ, "skip_defects", "supports", "friction"), shown=(*SHOWN, "up"))
+        Analysis,
+        HOW((*_READ, "skip_defects", "supports", "friction", "density"), shown=(*SHOWN, "up")),
     ]
 
 

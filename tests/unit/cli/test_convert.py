@@ -116,6 +116,18 @@ def test_a_suffix_of_another_format_is_refused(tmp_path: Path) -> None:
     assert main(["convert", str(path), str(tmp_path / "x.data"), "--to", "stl"]) == 0
 
 
+def test_convert_gives_blocks_the_density_that_a_format_stores(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    source = str(tmp_path / "a.obj")
+    io.write(tower(2), source)
+    light = tmp_path / "light.json"
+    assert main(["convert", source, str(light), "--density", "500"]) == 0
+    assert {block.density for block in io.read_file(light).assembly.blocks} == {500.0}
+    assert main(["convert", source, str(tmp_path / "b.obj"), "--density", "500"]) == 2
+    assert "--density: Wavefront OBJ does not store it" in capsys.readouterr().err
+
+
 def test_convert_lays_the_ground_that_is_asked_for(tmp_path: Path) -> None:
     model, out = tmp_path / "tower.json", tmp_path / "grounded.json"
     io.write(tower(2), model)
