@@ -186,18 +186,25 @@ def extent(sizes: Sequence[float]) -> str:
     --------
     >>> extent([6.125, 0.5, 3.0]), extent([2150.0, 300.0, 1220.0])
     ('6.12 x 0.5 x 3 m', '2,150 x 300 x 1,220 m')
+    >>> extent([0.001, 0.001, 0.003])
+    '1 x 1 x 3 mm'
     """
-    return f"{' x '.join(map(_rounded, sizes))} m"
+    scale, unit = (1e3, "mm") if max(sizes, default=1.0) < 1e-2 else (1.0, "m")
+    return f"{' x '.join(_rounded(scale * one) for one in sizes)} {unit}"
 
 
 def mass(value: float) -> str:
-    """A mass [kg] in kg, from a tonne on in t.
+    """A mass [kg] in kg, from a tonne on in t, below a gram in parts of it.
 
     Examples
     --------
     >>> mass(850.0), mass(12345.0), mass(8.3e9)
     ('850 kg', '12.3 t', '8,300,000 t')
+    >>> mass(4.8e-6)
+    '4.8 mg'
     """
+    if 0.0 < value < 1e-3:
+        return quantity(1e3 * value, "g")
     shown, unit = (value, "kg") if abs(value) < 999.5 else (value / 1e3, "t")
     return f"{_rounded(shown)} {unit}"
 

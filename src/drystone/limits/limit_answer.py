@@ -334,7 +334,9 @@ class Limit(LimitValues, Answer):
         label = f"{'falls' if falls else 'not decided' if self._open else 'stands'} at "
         label += self._short(value)
         means = "; ".join(one for one in (state.message, *self._means()) if one)
-        return replace(state.stage(label), headline=headline, message=means, facts=facts)
+        stage = replace(state.stage(label), headline=headline, message=means, facts=facts)
+        # its colour is that of the headline: good is a load that is carried as it was given
+        return replace(stage, verdict=Verdict.UNSTABLE) if self._below_given else stage
 
     def _definitions(self) -> dict[str, Bracket]:
         """The bracket by each definition; one of those that agree, that of the check if it can."""

@@ -501,6 +501,7 @@ class LoadCase(OneLine):
             return NotImplemented
         by = float(factor)
         name = f"({self.name})" if " + " in self.name else self.name
+        name = "* " * name.startswith(tuple("-0123456789")) + name  # a factor of a vector
         with np.errstate(over="ignore", invalid="ignore"):  # what overflows is refused below
             moved = None if self.motion is None else self.motion * by
             surface = None if self.surface is None else self.surface.by(by)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import html
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from importlib import resources
 from os import PathLike
@@ -64,7 +64,9 @@ def _place(chart: Chart, x: Floats, y: Floats) -> tuple[Floats, Floats]:
 
 def _left(chart: Chart) -> float:
     """[px], of the axis up."""
-    return max(44.0, *(9.0 + 6.5 * len(_told(one, chart.units[1])) for one in chart.rise))
+    return max(
+        44.0, *(9.0 + 6.5 * len(_told(one, chart.units[1], chart.rise)) for one in chart.rise)
+    )
 
 
 def _drawn(chart: Chart, marks: Marks) -> str:
@@ -124,11 +126,11 @@ def _axes(chart: Chart) -> Iterator[str]:
     for value, y in zip(
         rise, _place(chart, np.full(len(rise), chart.span[0]), rise)[1], strict=True
     ):
-        yield _text(left - 5.0, y + 4.0, _told(value, chart.units[1]), "end")
+        yield _text(left - 5.0, y + 4.0, _told(value, chart.units[1], rise), "end")
     ends = np.array(_across(chart))
     for value, x in zip(ends, _place(chart, ends, np.zeros(len(ends)))[0].tolist(), strict=True):
         if not (np.abs(marked - x) < 3.0).any():
-            told = _told(value, chart.units[0])
+            told = _told(value, chart.units[0], ends)
             yield _text(x, base + 13.0, told, "start" if x < left + 3.0 else "middle")
     yield _text(0.5 * WIDTH, HEIGHT - 3.0, chart.across)
     yield _text(0.0, 11.0, chart.up, "start")
@@ -159,9 +161,9 @@ def _text(x: float, y: float, text: str, anchor: str = "middle") -> str:
     return f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}">{html.escape(text)}</text>'
 
 
-def _told(value: float, unit: str) -> str:
-    if unit in ("m", "N", "Pa"):
-        return units.quantity(value, unit)
+def _told(value: float, unit: str, among: Iterable[float]) -> str:
+    if unit in ("m", "N", "Pa"):  # one prefix for all of an axis
+        return units.components([value], unit, column=max(map(abs, among)))
     mark = "\N{DEGREE SIGN}" if unit == "deg" else f" {unit}" if unit else ""
     return f"{value:.4g}{mark}"
 

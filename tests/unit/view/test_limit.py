@@ -75,7 +75,13 @@ def test_what_acts_is_rounded_as_the_headline_is(tilt: Limit) -> None:
 def test_what_acts_keeps_its_other_numbers_where_the_limit_is_a_short_one() -> None:
     at_limit = drystone.limit_load(tower(2), "block-1:2452.5,0,0", friction=0.5)  # 0.5 g: 4.8
     for stage, told in zip(scene_of(at_limit).stages, ("4.7997", "4.8003"), strict=True):
-        assert stage.facts["Load"] == f"gravity + {told} 2452, 0, 0 N on 'block-1'"
+        assert stage.facts["Load"] == f"gravity + {told} * 2452, 0, 0 N on 'block-1'"
+
+
+def test_ends_of_an_axis_have_one_prefix() -> None:
+    ends = Marks(MarkKind.LINE, np.array([-0.51, 8.51]), np.array([0.0, 1.0]), "accent")
+    text = panel(Chart("train", (ends,), "place", "factor", ("m", "")))
+    assert re.findall(r">(-?[\d.]+ \w+)<", text) == ["-0.51 m", "8.51 m"]
 
 
 def test_every_value_that_was_tried_and_both_sides_are_in_the_panel(tilt: Limit) -> None:
@@ -128,7 +134,7 @@ def test_a_chart_has_a_key_and_writes_a_value_at_its_end_once() -> None:
     drawn = panel(Chart("Push", marks, "u", "k", ("m", ""), lines=((0.0149, "14.9 mm"),)))
     assert re.findall(r"</svg> ([a-z]+)</span>", drawn) == ["load", "slides"]
     assert drawn.count("14.9 mm") == 1
-    assert re.findall(r'text-anchor="(\w+)">0 m<', drawn) == ["start"]  # not below "0" of the other
+    assert re.findall(r'text-anchor="(\w+)">0 mm<', drawn) == ["start"]  # not below "0" beside
 
 
 def test_a_capacity_without_an_end_draws_no_line_to_it() -> None:
