@@ -15,6 +15,7 @@ from drystone.base.arrays import Floats, Ints, lengths
 from drystone.base.display import rounded_up
 from drystone.base.errors import InputError, counted
 from drystone.base.units import quantity
+from drystone.checks import first_motion_of
 from drystone.design.bench import Bench, Held, Tried
 from drystone.design.changed_model import acceleration_of, changed
 from drystone.design.changes import (
@@ -28,7 +29,7 @@ from drystone.design.changes import (
     joint_change,
     props_at,
 )
-from drystone.design.margin import LARGE_REGION, SMALL_REGION, DesignMargin
+from drystone.design.margin import LARGE_REGION, SMALL_REGION, DesignMargin, quick_check
 from drystone.design.needs import SEARCHED, Needs, props_of, pulls_of_region
 from drystone.design.props import PropSeat, carries, find_props, struts
 from drystone.design.search import least
@@ -138,6 +139,9 @@ _FIRST = 6
 which a tie is tried: those that move apart fastest, that with the least pull times length by
 virtual work first, and of equal ones that nearest the middle of the region."""
 
+_TIES = 4
+"""Number of ties that are tried together in a region. Chosen: two arches under a beam need two."""
+
 _SLID = (0.2, 0.5, 1.0)
 """Slides that are tried before the least one is searched, by the way to the middle of the joint. It
 is found to a tenth of that: at the least itself a block is about to tip."""
@@ -241,56 +245,93 @@ def _steady(bench: Bench, block: int, force: Floats, point: Floats) -> str:
     return f"; a steady force of {size} there balances it" if share else ""
 
 
+_Ends: TypeAlias = tuple[int, int]
+
+
 def _tie(asked: KnownNeeds) -> Proposals:
-    """A tie between the centroids of two blocks that move apart: it pulls, and never presses."""
-    local, own = asked.bench.local, asked.bench.own
-    centroid, fixed = local.assembly.centroid, local.assembly.fixed
-    velocity = np.where(fixed[:, None], 0.0, asked.bench.motion[:, :3])
-    apart = []
-    for i in own:
-        along = centroid - centroid[i]
-        size = np.linalg.norm(along, axis=1)
-        rate = ((velocity - velocity[i]) * along).sum(axis=1) / np.where(size > 0.0, size, 1.0)
-        rate[[j for j in own if j <= i]] = 0.0  # each pair once
-        apart += [(float(rate[j]), i, int(j)) for j in np.flatnonzero(rate > 0.0)]
+    """Ties between the centroids of two blocks that move apart: they pull, and never press.
+
+    One, else more: each between those that move apart fastest with the ties before it.
+    """
+    bench, local = asked.bench, asked.bench.local
+    centroid, size = local.assembly.centroid, local.assembly.size.max()
+    apart = _apart(bench, bench.motion)
     if not apart:
         yield "no blocks move apart"
         return
+    fastest = max(rate for rate, _ in apart)
 
-    middle, fastest = centroid[own].mean(axis=0), max(apart)[0]
+    def bulk(pair: tuple[float, _Ends]) -> tuple[float, float]:
+        rate, (i, j) = pair
+        far = float(np.linalg.norm(centroid[i] - centroid[j]))
+        return round(far / size * fastest / rate, 6), _off(bench, pair[1])
 
-    def off(pair: tuple[float, int, int]) -> float:
-        """How far its middle is from that of the region."""
-        return float(np.linalg.norm(0.5 * (centroid[pair[1]] + centroid[pair[2]]) - middle))
+    def make(ties: tuple[_Ends, ...], model: Model, blocks: Ints, _: Ints) -> Model:
+        for i, j in ties:
+            model = tied(model, int(blocks[i]), int(blocks[j]))
+        return model
 
-    def fast(pair: tuple[float, int, int]) -> tuple[float, float]:
-        return -round(pair[0] / fastest, 6), off(pair)
+    def words(ties: tuple[_Ends, ...], forces: Floats, _: Floats) -> str:
+        told = []
+        for (i, j), force in zip(ties, forces, strict=True):
+            far, pull = np.linalg.norm(centroid[i] - centroid[j]), math.hypot(*force)
+            between = f"the middles of {names_of(local, [i, j])}, {far:.3g} m apart"
+            told.append(f"{quantity(pull, 'N')} between {between}")
+        several = f"{len(told)} ties that pull" if len(told) > 1 else "a tie that pulls"
+        return f"{several} {listed(told)}"
 
-    def bulk(pair: tuple[float, int, int]) -> tuple[float, float]:
-        far = float(np.linalg.norm(centroid[pair[1]] - centroid[pair[2]]))
-        return round(far / asked.bench.local.assembly.size.max() * fastest / pair[0], 6), off(pair)
+    def tries(several: list[tuple[_Ends, ...]], why: str) -> Tries:
+        of = {
+            Change.single("tie", partial(make, ties), "", added=len(ties)): ties for ties in several
+        }
 
-    def make(ends: tuple[int, int], model: Model, blocks: Ints, _: Ints) -> Model:
-        return tied(model, int(blocks[ends[0]]), int(blocks[ends[1]]))
+        def told(change: Change) -> Held:
+            return _by_force(bench, len(of[change]), partial(words, of[change]), change)
 
-    def words(change: Change, forces: Floats, _: Floats) -> str:
-        pull = quantity(math.hypot(*forces[0]), "N")
-        return f"a tie that pulls {pull} between the middles of {change.words(0.0)}"
+        return Tries(list(of), why, Take.FIRST, told=told)
 
-    def told(change: Change) -> Held:
-        return _by_force(asked.bench, 1, partial(words, change), change)
+    first = sorted(apart[:_FIRST], key=bulk)
+    why = f"a tie between blocks that move apart, of {counted(len(first), 'pair')}"
+    several: list[tuple[_Ends, ...]] = [(ends,) for _, ends in first]
+    ties: tuple[_Ends, ...] = ()
+    for count in range(2, _TIES + 2):
+        failed = len(bench.tried)
+        yield tries(several, why)
+        if len(bench.tried) == failed or bench.large or not apart or count > _TIES:
+            return
+        ties = (*ties, apart[0][1])
+        made = make(ties, local, np.arange(len(local)), np.arange(0))
+        fallen = quick_check(bench.holds(made, bench.margin).model, bench.stop)
+        if fallen.prop is None:
+            return
+        apart = _apart(bench, first_motion_of(fallen.model, fallen.prop), ties)
+        several, why = [(*ties, ends) for _, ends in apart[:1]], f"{count} ties, each where most"
 
-    changes = [
-        Change.single(
-            "tie",
-            partial(make, (i, j)),
-            f"{names_of(local, [i, j])}, {np.linalg.norm(centroid[i] - centroid[j]):.3g} m apart",
-            added=1,
-        )
-        for _, i, j in sorted(sorted(apart, key=fast)[:_FIRST], key=bulk)
-    ]
-    why = f"a tie between blocks that move apart, of {counted(len(changes), 'pair')}"
-    yield Tries(changes, why, Take.FIRST, told=told)
+
+def _apart(bench: Bench, motion: Floats, ties: tuple[_Ends, ...] = ()) -> list[tuple[float, _Ends]]:
+    """Pairs of blocks that move apart, the fastest first, of equal ones that nearest the middle."""
+    local, own = bench.local.assembly, bench.own
+    used = [i for ends in ties for i in ends]
+    velocity = np.where(local.fixed[:, None], 0.0, motion[:, :3])
+    found: list[tuple[float, _Ends]] = []
+    for i in own:
+        along = local.centroid - local.centroid[i]
+        size = np.linalg.norm(along, axis=1)
+        rate = ((velocity - velocity[i]) * along).sum(axis=1) / np.where(size > 0.0, size, 1.0)
+        rate[[j for j in own if j <= i]] = 0.0  # each pair once
+        rate[used] = 0.0
+        if i not in used:
+            found += [(float(rate[j]), (i, int(j))) for j in np.flatnonzero(rate > 0.0)]
+    most = max((rate for rate, _ in found), default=1.0)
+    return sorted(found, key=lambda pair: (-round(pair[0] / most, 6), _off(bench, pair[1])))
+
+
+def _off(bench: Bench, ends: _Ends) -> float:
+    """How far the middle of two blocks is from that of the region."""
+    centroid = bench.local.assembly.centroid
+    return float(
+        np.linalg.norm(centroid[list(ends)].mean(axis=0) - centroid[bench.own].mean(axis=0))
+    )
 
 
 def _kept(kind: str, what: str, names: str) -> Tried:

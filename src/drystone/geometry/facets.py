@@ -287,7 +287,8 @@ def _between(one: Floats, other: Floats) -> Floats:
 def _closed(flat: Floats, corners: Ragged, part: Ragged, reach: Floats) -> planar.Regions:
     """The union (c,) of the polygons of each cell, with gaps up to twice the reach closed."""
     polygon = planar.valid(shapely.polygons(shapely.linearrings(flat, indices=corners.owner)))
-    grown = shapely.buffer(polygon, part.spread(reach), join_style="mitre")
+    with np.errstate(divide="ignore", invalid="ignore"):  # the tip of a spike has no mitre
+        grown = shapely.buffer(polygon, part.spread(reach), join_style="mitre")
     whole = np.empty(len(part), dtype=object)
     for several in np.unique(part.counts):
         mine = np.flatnonzero(part.counts == several)

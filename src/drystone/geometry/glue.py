@@ -351,7 +351,7 @@ def _uncovered(loops: Sequence[Floats], owner: Sequence[int], near: float) -> li
         for cover in covers:
             shape = overlay(shapely.difference, shape, cover)
         # narrower than the tolerance: rounding
-        with np.errstate(invalid="ignore"):  # the tip of a spike has no mitre
+        with np.errstate(divide="ignore", invalid="ignore"):  # the tip of a spike has no mitre
             core = shape.buffer(-near, join_style="mitre").buffer(near, join_style="mitre")
         if core.is_empty:
             continue

@@ -439,8 +439,28 @@ def test_what_a_structure_stands_without_is_no_part_of_a_margin_that_is_told() -
     """A pier stands to 5.7 degrees; a prop or rougher joints are no help below that."""
     courses = [box((0.3, 0.8, 1.0), (0.0, 0.0, z), f"course-{z}") for z in range(-1, 3)]
     model = Model.of(Assembly(tuple(courses)).with_fixed([0]), friction=0.7)
-    options = MendOptions(margin=DesignMargin(tilt=45.0), kinds=("slide", "prop"))
+    options = MendOptions(margin=DesignMargin(tilt=45.0), kinds=("slide",))
     assert not any(one.less for _, one in find_mends(model, options=options).tried)
+
+
+def test_two_arches_under_a_beam_get_a_tie_each() -> None:
+    """Neither stands with a tie in the other one."""
+    blocks, fixed = [], []
+    for name, y in (("a", 0.0), ("b", 1.5)):
+        one = arch(thickness_ratio=0.09, voussoirs=9).transformed(
+            np.eye(3), np.array([0.0, y, 0.0])
+        )
+        blocks += [block.renamed(f"{block.name}-{name}") for block in one.blocks]
+        fixed += one.fixed.tolist()
+    top = blocks[5].bounds[1, 2]
+    beam = box((0.1, 1.8, 0.1), (-0.05, 0.0, top), "beam")
+    model = Model.of(Assembly((*blocks, beam), [*fixed, False]), friction=0.7)
+    (only,) = find_mends(model, options=MendOptions(kinds=("tie",))).mends
+    assert (
+        "2 ties that pull 147 N between the middles of 'voussoir-01-a'" in only.change.description
+    )
+    assert "147 N between the middles of 'voussoir-01-b'" in only.change.description
+    assert only.change.added == 2
 
 
 def test_thicknesses_that_were_tried_are_told() -> None:
