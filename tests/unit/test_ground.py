@@ -218,7 +218,7 @@ def test_walls_that_lean_a_little_are_pressed_and_turn_no_road(lean: float) -> N
     assert push[1:3, 1] == pytest.approx([-outwards, outwards])
     above = max(lean, 0.0) * 4.0 * (2.4**2 - 0.4**2) / 2.0  # [m3], on its inner face
     assert push[1:3, 2] == pytest.approx(-2e4 * above, abs=1e-6)
-    np.testing.assert_array_equal(Tops.of(walls, load).strips.axes, np.eye(3))
+    np.testing.assert_array_equal(Tops.of(walls, load).road.strips.axes, np.eye(3))
 
 
 def test_outer_slopes_of_gables_are_not_pressed_and_oblique_ends_are_named() -> None:
@@ -247,7 +247,7 @@ def test_chamfers_below_copings_turn_no_road() -> None:
     )
     walls = [box((4.0, 0.5, 2.0), (0.0, y, 1.0), f"wall {y}") for y in (0.0, 2.5)]
     bridge = Assembly([box((4.0, 3.0, 1.0), name="slab"), *walls, south, north])
-    axes = Tops.of(bridge, Fill(cover=0.2, weight=2e4)).strips.axes
+    axes = Tops.of(bridge, Fill(cover=0.2, weight=2e4)).road.strips.axes
     np.testing.assert_array_equal(axes, np.eye(3))
 
 
@@ -352,12 +352,12 @@ def test_fill_between_two_places_of_a_skew_bridge_is_that_of_a_narrower_one(skew
 
     fill, part = Fill(0.3, 2e4, k=0.3), Fill(0.3, 2e4, k=0.3, between=(0.5, 2.5))
     wide, narrow = Tops.of(bridge(0.0, 3.0), part), Tops.of(bridge(0.5, 2.5), fill)
-    np.testing.assert_allclose(wide.strips.axes[:2, :2], turn[:2, :2].T, atol=1e-9)
+    np.testing.assert_allclose(wide.road.strips.axes[:2, :2], turn[:2, :2].T, atol=1e-9)
     force = narrow.pressed(1.0, 0.3)[:, :3]
     np.testing.assert_allclose(
         wide.pressed(1.0, 0.3)[:, :3], force, atol=1e-6 * np.abs(force).max()
     )
-    assert wide.bridge.breadth == pytest.approx(narrow.breadth + 1.0)
+    assert wide.bridge.road.breadth == pytest.approx(narrow.road.breadth + 1.0)
 
 
 def test_fill_between_two_places_is_that_of_a_narrower_bridge() -> None:
@@ -376,7 +376,7 @@ def test_what_juts_out_at_a_pier_takes_nothing_of_an_axle_elsewhere() -> None:
     assembly = Assembly((*bridge.blocks, *waters), [*bridge.fixed.tolist(), False, False])
     fill = Fill(0.3, 2e4)
     alone, beside = (Tops.of(one, fill) for one in (bridge, assembly))
-    assert beside.breadth == pytest.approx(4.6)
+    assert beside.road.breadth == pytest.approx(4.6)
     assert beside.whole
     assert not alone.whole
     places, borne = np.array([1.0, 3.0]), np.array([1.0, 3.0 / 2.7])
@@ -389,7 +389,8 @@ def test_what_juts_out_at_a_pier_takes_nothing_of_an_axle_elsewhere() -> None:
 def test_an_axle_between_walls_that_reach_the_road_spreads_by_the_mean_depth() -> None:
     low = box((6.0, 3.0, 1.0), name="low")
     walls = [box((6.0, 0.5, 1.0), (0.0, y, 1.0), f"y={y}") for y in (0.0, 2.5)]
-    assert Tops.of(Assembly([low, *walls]), Fill(0.0, 2e4)).depth(PLACE) == pytest.approx(2.0 / 3.0)
+    road = Tops.of(Assembly([low, *walls]), Fill(0.0, 2e4)).road
+    assert road.depth(PLACE) == pytest.approx(2.0 / 3.0)
 
 
 COUNTERFORTS: dict[str, list[tuple[float, float, float]]] = {
@@ -479,7 +480,7 @@ def test_a_bar_across_another_one_takes_the_fill_above_where_they_cross(degrees:
 
 def test_joints_along_meridians_of_a_dome_are_not_below_fill() -> None:
     tops = Tops.of(dome(), Fill(0.4, 2e4, k=0.5, between=(-9.0, 9.0)))
-    assert not any(len(one.block) for one in tops.beside)
+    assert not any(len(one.block) for one in tops.road.beside)
     assert not tops.notes
 
 

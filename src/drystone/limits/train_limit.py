@@ -138,13 +138,13 @@ class TrainEnvelope(Answer):
         one, tops = self._placed[self.worst if place is None else place], self._crossing.tops
         train = one.at.train
         x = one.at.place - 0.5 * train.length + np.array(train.places)
-        low, high = tops.ends
-        depth = tops.depth(x)
+        low, high = tops.road.ends
+        depth = tops.road.depth(x)
         effective, wide = tops.effective(x, train.contact, train.across)
         columns = {
             "axle": np.arange(1, len(x) + 1),
             "x": x,
-            "road": tops.level(x),
+            "road": tops.road.level(x),
             "load": np.array(train.loads),
             "fill_below": depth,
             "spread_along": train.contact + 2.0 * self.fill.spread * depth,
@@ -166,9 +166,9 @@ class TrainEnvelope(Answer):
     def _axle_layers(self, place: int) -> tuple[Layer, ...]:
         axles, tops = self.axles(place), self._crossing.tops
         flat = np.zeros(len(axles))
-        at = tops.on_road(axles["x"])
+        at = tops.road.on_road(axles["x"])
         down = np.column_stack([flat, flat, -axles["load"]])
-        ends = tops.on_road(np.array(tops.ends))
+        ends = tops.road.on_road(np.array(tops.road.ends))
         road = Layer("road", "road", LayerKind.LINES, "load", ends[:1], ends[1:] - ends[:1])
         layers = [road, Layer(
             "axles", "axles",
@@ -178,7 +178,7 @@ class TrainEnvelope(Answer):
         if stretches:
             cuts = [np.linspace(a, b, int(b - a) + 2) for a, b in stretches]
             # arrows a metre apart at most
-            at = tops.on_road(np.concatenate([0.5 * (one[1:] + one[:-1]) for one in cuts]))
+            at = tops.road.on_road(np.concatenate([0.5 * (one[1:] + one[:-1]) for one in cuts]))
             down = np.tile([0.0, 0.0, -self.train.line], (len(at), 1))
             layers.append(Layer(
                 "line", "line load", LayerKind.ARROWS, "load", at, down, unit="N/m", single=True,
@@ -230,7 +230,7 @@ class TrainEnvelope(Answer):
         """The least factor, how it was found, and what it does not say."""
         role = Role.GOOD if self._carried else Role.BAD
         said = [Sentence(self.title, role)]
-        x, y, _ = self._crossing.tops.strips.axes[0]
+        x, y, _ = self._crossing.tops.road.strips.axes[0]
         if y != 0.0:
             turn = f"the road is taken along {x:.3g}, {y:.3g} in plan, and x of a place along it"
             said.append(Sentence(turn, Role.REMARK))
@@ -290,7 +290,7 @@ class TrainEnvelope(Answer):
         line = ""
         if len(self.line):
             line = f", and {100.0 * self._line_borne:.3g} % of the line load"
-        wide = f"the answer is for all of the model, {tops.bridge.breadth:.3g} m wide"
+        wide = f"the answer is for all of the model, {tops.bridge.road.breadth:.3g} m wide"
         if (np.abs(shares - 1.0) <= SAME).all():
             return Sentence(f"{wide}: it bears the whole of each axle{line}", Role.REMARK)
         told = f"{_range(100.0 * shares)} % of an axle at the worst place{line}"
@@ -309,7 +309,7 @@ class TrainEnvelope(Answer):
     @property
     def _of_place(self) -> Sentence:
         """What a place is, and what is not tried across the bridge."""
-        low, high = self._crossing.tops.ends
+        low, high = self._crossing.tops.road.ends
         told = "places are x of the middle of the train; the bridge lies from "
         wide = "; an axle acts evenly over its width: a wheel alone may be worse, and is not tried"
         ends = f"{told}{low:.3g} to {high:.3g} m"
@@ -495,7 +495,7 @@ def limit_train(
     if steps < 1:
         raise InputError(f"{steps} places", where="steps", remedy="give one or more")
     tops = Tops.of(model.assembly, Fill(0.0, 0.0) if fill is None else fill)
-    low, high = tops.ends
+    low, high = tops.road.ends
     if carried.length > high - low:
         raise InputError(
             f"'{carried.name}' is {carried.length:g} m long, the bridge {high - low:.3g} m",
@@ -567,7 +567,7 @@ def _lower(crossing: Crossing, found: Sequence[PlacedTrain], fine: float) -> lis
     The worst one of each stretch of such places.
     """
     known, least = crossing.known(found), _least(found)
-    (low, high), reach = crossing.tops.ends, 0.5 * crossing.train.length
+    (low, high), reach = crossing.tops.road.ends, 0.5 * crossing.train.length
     places = np.linspace(low - reach, high + reach, 401)  # 801 lower 12 factors by 0.02 % at most
     factor, last = known(places), len(places) - 1
     room = 1.0 + 10.0 * fine  # it may be lower between two: a beam's by 0.6 %

@@ -11,7 +11,8 @@ from drystone.assembly import Assembly
 from drystone.base import units
 from drystone.base.errors import InputError, located
 from drystone.loads.case import DOWN, STANDARD_GRAVITY, LoadCase, name_of_sum
-from drystone.loads.fill import Earth, Fill
+from drystone.loads.earth import Earth
+from drystone.loads.fill import Fill
 
 _Direction: TypeAlias = tuple[float, float, float]
 

@@ -17,7 +17,8 @@ from drystone.base.errors import InputError, counted, located, meant
 from drystone.base.files import read_bytes, toml_of
 from drystone.base.settings import Options
 from drystone.base.units import quantity
-from drystone.loads.fill import Tops, force, length
+from drystone.loads.fill import Tops
+from drystone.loads.ground_words import force, length
 
 
 def _line_load(text: str) -> float:
@@ -183,9 +184,9 @@ class Train(Options):
             ceases to be adverse, its work is nearly zero.
         """
         if not self.line:
-            return np.zeros((0, 2)), np.zeros((0, len(tops.assembly), 6))
-        low, high = tops.ends
-        reach = tops.fill.spread * tops.depth(np.array([low, high])).max()
+            return np.zeros((0, 2)), np.zeros((0, len(tops.road.assembly), 6))
+        low, high = tops.road.ends
+        reach = tops.fill.spread * tops.road.depth(np.array([low, high])).max()
         cuts = np.linspace(low - reach, high + reach, 49)
         free = np.zeros(48, dtype=bool)
         if self.clear is not None:

@@ -153,7 +153,7 @@ def test_no_stretch_of_the_line_load_is_worse_than_the_one_found(bridge: Model) 
     loaded = bridge.with_load(bridge.load + FILL.on(bridge.assembly))
     axle = train.on(tops, found.places)[0]
     ends, pieces = train.pieces(tops, place)
-    assert pieces.sum(axis=(0, 1))[2] == pytest.approx(-3e4 * np.diff(tops.ends)[0], rel=3e-2)
+    assert pieces.sum(axis=(0, 1))[2] == pytest.approx(-3e4 * np.diff(tops.road.ends)[0], rel=3e-2)
     for first in range(0, len(ends), 8):
         for last in range(first + 8, len(ends) + 1, 8):
             some = LoadCase(axle + pieces[first:last].sum(axis=0))

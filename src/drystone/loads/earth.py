@@ -1,0 +1,169 @@
+"""Earth and water behind a wall: pressure on the faces that they touch."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal, Self
+
+import numpy as np
+
+from drystone.assembly import Assembly
+from drystone.base import units
+from drystone.base.arrays import SAME, Floats
+from drystone.base.display import named
+from drystone.base.errors import InputError
+from drystone.base.settings import Options
+from drystone.base.units import quantity
+from drystone.geometry.frames import AXES
+from drystone.loads.case import LoadCase
+from drystone.loads.ground_words import (
+    Reader,
+    length,
+    pressure,
+    pressure_ratio,
+    read_words,
+    weight,
+)
+from drystone.loads.seen_strips import SeenStrips, Spots
+from drystone.supports import select
+
+_GRAZED = math.tan(math.radians(80.0))
+"""Slope of a face across the line of sight. Chosen: a splayed wing wall has less."""
+_WATER = 9810.0
+"""[N/m3]"""
+
+
+@dataclass(frozen=True)
+class Earth(Options):
+    """Level earth on one side of a wall.
+
+    Attributes
+    ----------
+    side
+        On which it lies: ``x``, ``-x``, ``y`` or ``-y``.
+    weight : [N/m3] >= 0, <= 1e6
+        By volume, also where it is saturated.
+    k : >= 0, <= 100
+        Horizontal by vertical pressure.
+    top : [m] >= -1e5, <= 1e5
+        Level of its surface; the top of what is seen when left out.
+    surcharge : [Pa] >= 0, <= 1e9
+        On its surface.
+    water : [m] >= -1e5, <= 1e5
+        Level of the water in it; none when left out.
+    wall_friction : coefficient >= 0, <= 100
+        Of the wall: the earth drags it down by this share of its pressure. No more than its own.
+    blocks
+        On which it presses, names and patterns with ``+`` between them; all that are seen when left
+        out.
+
+    Notes
+    -----
+    At depth h the vertical pressure is ``surcharge + weight * h``, less that of water below its
+    level. It acts on what is inclined and looks up, and ``k`` times it on vertical areas, level and
+    square to the face in plan, both where no other block lies before a face; the pressure of water
+    is added.
+
+    Examples
+    --------
+    >>> from drystone.models import tower
+    >>> load = Earth.named("side=-x,weight=18kN/m3,k=active:30deg").on(tower(3))
+    >>> load.wrench[:, 0].round(1).tolist()  # the lowest block is fixed
+    [15000.0, 9000.0, 3000.0]
+    """
+
+    side: Literal["x", "-x", "y", "-y"]
+    weight: float
+    k: float
+    top: float | None = None
+    surcharge: float = 0.0
+    water: float | None = None
+    wall_friction: float = 0.0
+    blocks: str = ""
+
+    @classmethod
+    def named(cls, text: str) -> Self:
+        """From ``side=-x,weight=18kN/m3,k=active:30deg``, and the other attributes.
+
+        Raises
+        ------
+        InputError
+            It cannot be read, one of the first three is missing, or the wall is said to be rougher
+            than the earth: that slides on itself first.
+        """
+        soil: list[float] = []
+
+        def ratio(text: str) -> float:
+            size, angle = pressure_ratio(text), text.partition(":")[2]
+            soil.extend([units.coefficient(angle)] if angle else [])
+            return size
+
+        known: Mapping[str, Reader] = {
+            "side": str,
+            "weight": weight,
+            "k": ratio,
+            "top": length,
+            "surcharge": pressure,
+            "water": length,
+            "wall_friction": units.coefficient,
+            "blocks": str,
+        }
+        made = cls(**read_words(text, "earth", known, "side=-x,weight=18kN/m3,k=0.33"))
+        if soil and made.wall_friction > (1.0 + SAME) * soil[0]:
+            wall, own = (f"{math.degrees(math.atan(x)):.3g}" for x in (made.wall_friction, soil[0]))
+            raise InputError(
+                f"wall friction of {wall} degrees is more than that of the earth, {own}",
+                where="earth", remedy=f"give no more than {own}deg",
+            )  # fmt: skip
+        return made
+
+    def on(self, assembly: Assembly) -> LoadCase:
+        """Its pressure on the free blocks."""
+        away = np.array(AXES[self.side])
+        up = np.array([0.0, 0.0, 1.0])
+        strips = SeenStrips.of(assembly, np.stack([up, np.cross(away, up), away]))
+        if self.blocks:
+            strips = strips.chosen(
+                select(assembly, self.blocks.replace("+", ",")).fixed[strips.block]
+            )
+        if not len(strips.block):
+            raise InputError("it touches no face", where="earth", remedy="see 'side'")
+        top = float(strips.t.max()) if self.top is None else self.top
+        if top <= float(strips.t.min()):
+            raise InputError(
+                f"its top, {top:g} m, is below the wall", where="earth", remedy="give a level"
+            )
+        levels = [top] if self.water is None else [top, self.water]
+        strips = strips.cut_at(np.sort(levels))
+
+        def traction(at: Spots) -> Floats:
+            t, slope = at.point[:, 2], at.slope
+            depth = np.maximum(top - t, 0.0)
+            wet = np.zeros(len(t)) if self.water is None else np.maximum(self.water - t, 0.0)
+            down = np.where(depth > 0.0, self.surcharge, 0.0) + self.weight * depth
+            down = np.maximum(down - _WATER * np.minimum(wet, depth), 0.0)
+            level, tread = self.k * down, np.maximum(-slope[:, 0], 0.0)  # it looks up
+            aside = level * slope[:, 1]  # square to a face that stands oblique in plan
+            drag = self.wall_friction * np.hypot(level, aside)
+            force = np.column_stack([-down * tread - drag, aside, -level])
+            skew = np.column_stack([slope, np.full(len(t), -1.0)])
+            return force + _WATER * wet[:, None] * skew
+
+        kind = f"earth of {quantity(self.weight, 'N')}/m3 on side {self.side} with K {self.k:.3g}"
+        more = {
+            f" on {self.blocks}": self.blocks,
+            f" and wall friction {self.wall_friction:.3g}, at most its own": self.wall_friction,
+            f" and surcharge {quantity(self.surcharge, 'Pa')}": self.surcharge,
+            f" and water to {self.water} m": self.water is not None,
+        }
+        name = kind + "".join(words for words, given in more.items() if given)
+        surface = strips.surface(assembly, traction)
+        grazed = ~assembly.fixed[strips.block] & (np.abs(strips.slope[:, 1]) > _GRAZED)
+        ends = named([assembly.names[i] for i in np.unique(strips.block[grazed])], 2)
+        note = (
+            f"earth presses also faces of {ends} that are seen from side {self.side} at less than "
+        )
+        notes = (f"{note}10 degrees, square to them",) if ends else ()
+        return LoadCase(strips.wrenches(assembly, traction), name, notes, surface=surface)

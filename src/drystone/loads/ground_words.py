@@ -1,0 +1,149 @@
+"""Words of the ground: ``name=value`` pairs of weights, pressures, levels and their ratios."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from drystone.base import units
+from drystone.base.errors import InputError, meant
+from drystone.loads.case import STANDARD_GRAVITY
+
+Reader = Callable[[str], Any]
+_MASSES = {name: STANDARD_GRAVITY * kg for name, kg in units.MASSES.items()}
+
+
+def read_words(text: str, what: str, known: Mapping[str, Reader], example: str) -> dict[str, Any]:
+    """The values of ``name=value,name=value``.
+
+    Parameters
+    ----------
+    text
+    what
+        Is described.
+    known
+        Names, and what reads the value of each.
+    example
+        Its names must be given.
+
+    Raises
+    ------
+    InputError
+        A name is unknown, given twice or missing, or its value cannot be read.
+    """
+    found: dict[str, Any] = {}
+    for part in text.split(","):
+        name, _, value = (one.strip() for one in part.partition("="))
+        names = f"give some of {', '.join(known)}, each once; such as {example}"
+        if not value:
+            raise InputError(f"'{part}' is not NAME=VALUE", remedy=names)
+        if name not in known:
+            raise InputError(f"{what} has no '{name}'", remedy=meant(name, known, names))
+        if name in found:
+            raise InputError(f"'{name}' is given twice", remedy=names)
+        try:
+            found[name] = known[name](value)
+        except InputError as error:
+            raise InputError(f"{name}: {error.what}", remedy=error.remedy) from error
+    for part in example.split(","):
+        name = part.partition("=")[0]
+        if name not in found:
+            raise InputError(f"{what} has no {name}", remedy=f"write {example}")
+    return found
+
+
+def weight(text: str) -> float:
+    """A weight by volume [N/m3], such as ``20kN/m3`` or ``2000kg/m3``.
+
+    Examples
+    --------
+    >>> weight("20kN/m3"), weight("2000kg/m3")
+    (20000.0, 19620.0)
+    """
+    size, slash, _ = text.partition("/m3")
+    if not slash:
+        raise InputError(f"'{text}' has no unit", remedy="write 20kN/m3 or 2000kg/m3")
+    return units.measured(size, units.FORCES | _MASSES, what="weight")
+
+
+def force(text: str) -> float:
+    """A force [N], such as ``300kN``, or the weight of a mass such as ``22.5t``."""
+    return units.measured(text, units.FORCES | _MASSES, what="load")
+
+
+def pressure(text: str) -> float:
+    """A pressure [Pa], such as ``10kPa`` or ``10kN/m2``."""
+    size, slash, _ = text.partition("/m2")
+    known = units.FORCES if slash else units.PRESSURES | {"kN/m2": 1e3}  # to be told
+    return units.measured(size, known, what="pressure")
+
+
+def length(text: str) -> float:
+    """A length [m]."""
+    return units.length(text, "length")
+
+
+def spread(text: str) -> float:
+    """Horizontal by vertical: ``2:1`` (down to across), ``30deg`` from the vertical, or a number.
+
+    Examples
+    --------
+    >>> spread("2:1"), round(spread("45deg"), 6)
+    (0.5, 1.0)
+    """
+    down, colon, across = text.partition(":")
+    if not colon:
+        return units.coefficient(text)
+    try:
+        return float(across) / float(down)
+    except (ValueError, ZeroDivisionError) as error:
+        raise InputError(f"'{text}' is no slope", remedy="write 2:1 or 30deg") from error
+
+
+def between(text: str) -> tuple[float, float]:
+    """Two places [m], such as ``-1.5m:1.5m``."""
+    low, colon, high = text.partition(":")
+    if not colon:
+        raise InputError(f"'{text}' is one place", remedy="write two, such as -1.5m:1.5m")
+    return length(low), length(high)
+
+
+def grade(text: str) -> float:
+    """A rise by length: ``3%``, or a number.
+
+    Examples
+    --------
+    >>> grade("3%"), grade("-0.02")
+    (0.03, -0.02)
+    """
+    number = units.measured(text.removesuffix("%"), {}, 1.0, "grade")
+    return number / 100.0 if text.endswith("%") else number
+
+
+def pressure_ratio(text: str) -> float:
+    """Horizontal by vertical pressure: a number, or ``active:``, ``rest:``, ``passive:30deg``.
+
+    Rankine 1857 for the active and the passive one of an angle of friction, Jaky 1944 at rest.
+
+    Examples
+    --------
+    >>> [round(pressure_ratio(f"{state}:30deg"), 3) for state in ("active", "rest", "passive")]
+    [0.333, 0.5, 3.0]
+    """
+    state, colon, angle = text.partition(":")
+    if not colon and text.endswith(units.ANGLES):
+        raise InputError(f"'{text}' is an angle", remedy=f"write active:{text}, or the ratio")
+    if not colon:
+        return units.coefficient(text)
+    if not angle.endswith(units.ANGLES):
+        raise InputError(f"'{angle}' is no angle", remedy=f"write {state}:30deg")
+    sine = math.sin(math.atan(units.coefficient(angle)))
+    known = {
+        "active": (1.0 - sine) / (1.0 + sine),
+        "rest": 1.0 - sine,
+        "passive": (1.0 + sine) / (1.0 - sine),
+    }
+    if state not in known:
+        raise InputError(f"'{state}' is no state of earth", remedy="active, rest or passive")
+    return known[state]
