@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, Unpack
@@ -18,38 +17,27 @@ import numpy as np
 from drystone.answer import Answer, Layer, LayerKind, Role, Scene, SceneStage, Sentence, State
 from drystone.answer.chart import Chart, MarkKind, Marks
 from drystone.answer.drawing import interface_layers, load_layers, marks, seen, state_of
-from drystone.answer.question import UP
-from drystone.assembly import Assembly
-from drystone.base.arrays import SAME, Bools, Floats, Ints, lengths
+from drystone.base.arrays import Floats, Ints, lengths
 from drystone.base.declared import Offered
 from drystone.base.display import named
-from drystone.base.errors import InputError, counted, located
+from drystone.base.errors import InputError, counted
 from drystone.base.progress import Clock
 from drystone.base.ragged import linked
 from drystone.base.settings import checked_call
 from drystone.base.table import Table
 from drystone.checks import block_speed, corner_motion, moving_joints
 from drystone.geometry.frames import axis_vector
-from drystone.geometry.kern import level_hull
-from drystone.io.opening import Given, LongHow, kept_of, supported_model
+from drystone.io.opening import Given, LongHow, supported_model
 from drystone.limits import limit_load
 from drystone.loads import LoadCase
-from drystone.loads.applied import applied_loads
 from drystone.loads.case import STANDARD_GRAVITY
 from drystone.loads.earthquake import Shaken
 from drystone.model import Model
-from drystone.seismic.spectrum import (
-    LimitState,
-    Oscillator,
-    SeismicDemand,
-    Turning,
-    weights_that_move,
-)
+from drystone.seismic.oscillator import Oscillator, Turning, weights_that_move
+from drystone.seismic.spectrum import LimitState, SeismicDemand
+from drystone.seismic.turning_part import masses_of, pulls_of, turning_of
 from drystone.settlement import LargeDisplacement, push
 from drystone.settlement.large_displacement import MOVES
-
-_CLOSE = 1e-3
-"""How far a line may lie off a part by its size. Chosen: coordinates rounded to millimetres."""
 
 
 @dataclass(frozen=True)
@@ -248,14 +236,14 @@ class LocalMechanism(Answer):
         """The load, and the pulls of the ties of a part."""
         if self.moments is None:
             return self.model.load
-        pulls = _pulls(self.model, np.flatnonzero(self._moving), self.motion)
+        pulls = pulls_of(self.model, np.flatnonzero(self._moving), self.motion)
         one = partial(LoadCase.point_load, self.model.assembly)
         return sum((one(block, force, at) for block, at, force in pulls), self.model.load)
 
     def _earthquake(self) -> tuple[Layer, ...]:
         """The force of the earthquake on what moves, as one arrow that ends in its middle."""
         alpha = self.oscillator.multiplier
-        place, weight, *_ = _masses(self.model, np.flatnonzero(self._moving))
+        place, weight, *_ = masses_of(self.model, np.flatnonzero(self._moving))
         along = np.array(self.options.direction.split(","), dtype=float)
         force, middle = alpha * weight.sum() * along, weight @ place / weight.sum()
         return (
@@ -373,7 +361,7 @@ def local_mechanism(
         site=told,
     )
     if part:
-        turning, motion, remarks = _turning(model, along, part, line)
+        turning, motion, remarks = turning_of(model, along, part, line)
         found = turning.oscillator()
         moved, load = turning.curve()
         told = "a rigid part that turns about a line; its joints neither slide, pull nor crush"
@@ -435,7 +423,7 @@ def _found(
     """The mechanism of all blocks."""
     assembly = model.assembly
     live = replace(LoadCase.seismic(assembly, *along[:2]), name="earthquake of 1 g")
-    place, weight, block, _ = _masses(model, np.arange(len(assembly)))
+    place, weight, block, _ = masses_of(model, np.arange(len(assembly)))
     limit = limit_load(model, live, upper=100.0, **late)
     best = limit.best
     if best.stands is None or best.falling is None or best.falling.mechanism is None:
@@ -501,225 +489,6 @@ def _bodies(model: Model, motion: Floats) -> Ints:
     apart = contacts.corners.max(lengths(corner_motion(assembly, contacts, motion)))
     whole = apart <= MOVES * block_speed(assembly, motion).max(initial=0.0)
     return linked(contacts.block_a[whole], contacts.block_b[whole], len(assembly))
-
-
-def _masses(model: Model, part: Ints) -> tuple[Floats, Floats, Ints, list[str]]:
-    """Places (p, 3), weights (p,), blocks and names of masses: of blocks, then what they carry."""
-    assembly = model.assembly
-    part = part[~assembly.fixed[part]]
-    place, mass, block = [assembly.centroid[part]], [assembly.mass[part]], [part]
-    names = [assembly.names[i] for i in part]
-    for one in model.load.masses:
-        here = part[one.mass[part] != 0.0]
-        place.append(one.place(assembly)[here])
-        mass.append(one.mass[here])
-        block.append(here)
-        names += [f"{one.kind} on {assembly.names[i]}" for i in here]
-    weight = STANDARD_GRAVITY * np.concatenate(mass)
-    return np.vstack(place), weight, np.concatenate(block), names
-
-
-def _turning(
-    model: Model,
-    along: Floats,
-    part: str | Sequence[str],
-    line: Sequence[float] | None,
-) -> tuple[Turning, Floats, list[str]]:
-    """A part that turns about a line, its virtual motion (n, 6), and remarks."""
-    assembly = model.assembly
-    with located("part"):
-        chosen = kept_of(assembly, part)
-    chosen = chosen[~assembly.fixed[chosen]]
-    if not len(chosen):
-        raise InputError("has no free block", where="part", remedy="name blocks that can move")
-    remarks = _whole(model, chosen)
-    if line is not None:
-        origin, axis = _line(line, along)
-        remarks += _under(assembly, chosen, origin, axis)
-        return *_about(model, chosen, along, origin, axis), remarks
-    least, ends, found = _soonest(model, chosen, along)
-    remarks += [f"the part turns about the edge of its foot from {ends}"] if ends else []
-    return *found, [*remarks, *_upper_ones(model, chosen, along, least)]
-
-
-def _upper_ones(model: Model, part: Ints, along: Floats, least: float) -> list[str]:
-    """That what stands on level beds of a part turns sooner than the part, at ``least``."""
-    assembly, contacts, told = model.assembly, model.contacts, []
-    bottom = np.full(len(assembly), -np.inf)
-    bottom[part] = [assembly.blocks[i].vertices[:, 2].min() for i in part]
-    rise, height = np.abs(contacts.frame[:, 0, 2]), contacts.centroid[:, 2]
-    for level in np.unique(bottom[part])[1:]:
-        upper = bottom >= level
-        cut = (upper[contacts.block_a] != upper[contacts.block_b]) & (rise > _CLOSE)
-        uneven = (rise < 1.0 - _CLOSE) | (np.abs(height - level) > _CLOSE * assembly.size.max())
-        if (cut & uneven & ~contacts.ties).any():
-            continue
-        with suppress(InputError):  # a tie without a strength holds it
-            sooner, *_ = _soonest(model, np.flatnonzero(upper), along)
-            if sooner < (1.0 - _CLOSE) * least:
-                names, least = named([assembly.names[i] for i in np.flatnonzero(upper)]), sooner
-                told = [f"what is above {level:.4g} m turns sooner, at {sooner:.4g} g: {names}"]
-    return told
-
-
-def _soonest(model: Model, part: Ints, along: Floats) -> tuple[float, str, tuple[Turning, Floats]]:
-    """How a part turns about its foot: the least multiplier, the edge unless a corner, and that."""
-    lines = _lowest_edges(model.assembly, part, along)
-    found = [_about(model, part, along, start, end - start) for start, end in lines]
-    alpha = np.array([turning.multiplier(0.0) for turning, _ in found])
-    best = int(np.argmax(alpha <= alpha.min() + SAME))  # about a corner all are the same
-    edge = " to ".join(", ".join(f"{x + 0.0:.4g}" for x in end) for end in lines[best])
-    return float(alpha[best]), edge if best else "", found[best]
-
-
-def _about(
-    model: Model, chosen: Ints, along: Floats, origin: Floats, axis: Floats
-) -> tuple[Turning, Floats]:
-    """A part that turns about a line, and its virtual motion (n, 6)."""
-    assembly, axis = model.assembly, axis / np.linalg.norm(axis)
-    applied = applied_loads(assembly, model.load.beside_masses)
-    mine = np.isin(applied.block, chosen)
-    couple = applied.moment[mine].sum(axis=0)
-    at, weight, _, names = _masses(model, chosen)
-    own, others = weight[: len(chosen)], weight[len(chosen) :]  # the part is one body
-    masses = np.vstack([own @ at[: len(chosen)] / own.sum(), at[len(chosen) :]])
-    weight = np.concatenate([[own.sum()], others])
-    motion = np.zeros((len(assembly), 6))
-    motion[chosen, :3] = np.cross(axis, assembly.centroid[chosen] - origin)
-    motion[chosen, 3:] = axis
-    pulls = _pulls(model, chosen, motion)
-    place = [masses, applied.point[mine], *(x[None] for _, x, _ in pulls)]
-    carried = [one.wrench[chosen[one.mass[chosen] != 0.0], :3] for one in model.load.masses]
-    mass = assembly.mass[chosen].sum()
-    force = [mass * applied.acceleration[None], *carried, applied.force[mine],
-             *(x[None] for *_, x in pulls)]  # fmt: skip
-    loads = [f"load on {assembly.names[i]}" for i in applied.block[mine]]
-    shaken = ("own weight", *names[len(chosen) :])
-    name = (*shaken, *loads, *(f"tie {one}" for one, *_ in pulls))
-    turning = Turning(
-        origin, axis, along, name, np.vstack(place), np.vstack(force), couple, shaken, masses,
-        weight,
-    )  # fmt: skip
-    return turning, motion
-
-
-def _whole(model: Model, part: Ints) -> list[str]:
-    """Refuse a part of several pieces, or without what stands on it alone; say what else is on it.
-
-    Joints whose normal rises carry what is above them.
-    """
-    assembly, contacts = model.assembly, model.contacts
-    names = np.array(assembly.names)
-    mine = np.isin(np.arange(len(assembly)), part)
-    a, b = contacts.block_a, contacts.block_b
-    within = mine[a] & mine[b]
-    first = part[np.unique(linked(a[within], b[within], len(assembly))[part], return_index=True)[1]]
-    if len(first) > 1:
-        told = f"is {len(first)} pieces that do not touch: of {named(names[first].tolist())}"
-        raise InputError(told, where="part", remedy="name what is between, or ask for each alone")
-    rise = contacts.frame[:, 0, 2]
-    rests = ~contacts.ties & (np.abs(rise) > _CLOSE)
-    below, above = np.where(rise > 0.0, (a, b), (b, a))[:, rests]
-
-    def raised(start: Bools, through: Bools) -> Bools:
-        """What stands on some blocks, at once or through others."""
-        reached = start
-        while len(more := above[reached[below] & ~reached[above] & through[above]]):
-            reached = reached.copy()
-            reached[more] = True
-        return reached
-
-    held = raised(assembly.fixed, ~mine)
-    left = np.flatnonzero(raised(mine, ~held) & ~mine)
-    if len(left):
-        told = f"leaves out what stands on it alone: {named(names[left].tolist())}"
-        raise InputError(told, where="part", remedy="name it too")
-    both = np.unique(above[mine[below] & held[above] & ~assembly.fixed[above]])
-    if not len(both):
-        return []
-    told = named(names[both].tolist())
-    return [f"what {told} lays on the part is not counted: name it too, or give it as a load"]
-
-
-def _lowest_edges(assembly: Assembly, part: Ints, along: Floats) -> list[tuple[Floats, Floats]]:
-    """Lines about which a part falls along a direction, by two points of each.
-
-    The first is across the direction, through the lowest corner that is farthest along; the others
-    are the edges of the hull of its lowest corners, its foot, over which it is pushed.
-    """
-    corners = np.vstack([assembly.blocks[i].vertices for i in part])
-    low = corners[corners[:, 2] <= corners[:, 2].min() + SAME * assembly.size.max()]
-    across, far = np.cross(UP, along), low[np.argmax(low @ along)]
-    foot, found = level_hull(low), [(far, far + across)]
-    for start, end in zip(foot, np.roll(foot, -1, axis=0), strict=True):
-        if len(foot) > 2 and (end - start) @ across > _CLOSE * np.linalg.norm(end - start):
-            found.append((start, end))
-    return found
-
-
-def _line(line: Sequence[float], along: Floats) -> tuple[Floats, Floats]:
-    """A point of the line that was asked for, and its direction: the part falls along."""
-    ends = np.reshape(np.asarray(line, dtype=np.float64), (-1,))
-    if len(ends) != 6:
-        raise InputError(f"has {len(ends)} numbers", where="line", remedy="give X,Y,Z,X,Y,Z")
-    axis = ends[3:] - ends[:3]
-    size = float(np.linalg.norm(axis))
-    forward = float(axis @ np.cross(UP, along))
-    if abs(forward) <= 1e-6 * size:
-        what = "is vertical or along the direction: nothing overturns"
-        raise InputError(what, where="line", remedy="give a level line across the direction")
-    if abs(axis[2]) > _CLOSE * size:
-        raise InputError("is not level", where="line", remedy="give its two ends the same height")
-    return ends[:3], axis / size * np.sign(forward)
-
-
-def _under(assembly: Assembly, part: Ints, origin: Floats, axis: Floats) -> list[str]:
-    """Refuse a line that is not under a part; say where it is behind the lowest edge."""
-    bottom = np.array([assembly.blocks[i].vertices[:, 2].min() for i in part])
-    corners = np.vstack([assembly.blocks[i].vertices for i in part])
-    near = _CLOSE * float(np.linalg.norm(np.ptp(corners, axis=0)))
-    lowest = float(bottom.min())
-    rise = float(origin[2]) - lowest
-    if abs(rise) > near:
-        remedy = f"give z = {lowest:.4g}"
-        above = [assembly.names[i] for i in part[bottom >= origin[2] - near]]
-        if 0 < len(above) < len(part):
-            remedy += f", or name the blocks above it alone: {named(above)} (--part)"
-        side = "above" if rise > 0.0 else "below"
-        told = f"lies {abs(rise):.4g} m {side} the lowest edge of the part"
-        raise InputError(told, where="line", remedy=remedy)
-    ahead = np.cross(axis, UP)
-    feet = (corners[corners[:, 2] <= lowest + near] - origin) @ ahead
-    beside = float(np.clip(0.0, feet.min(), feet.max()))
-    if abs(beside) > near:
-        edge = origin + ahead * feet.max()
-        told = f"lies {abs(beside):.4g} m beside the part's lowest edges"
-        remedy = f"give one through {', '.join(f'{x + 0.0:.4g}' for x in edge)}"
-        raise InputError(told, where="line", remedy=remedy)
-    behind = float(feet.max())
-    return [f"the line lies {behind:.4g} m behind the part's edge"] if behind > near else []
-
-
-def _pulls(model: Model, part: Ints, motion: Floats) -> list[tuple[str, Floats, Floats]]:
-    """Block, place (3,) [m] and pull (3,) [N] of each tie that a motion (n, 6) of a part stretches.
-
-    Others go slack.
-    """
-    contacts, assembly = model.contacts, model.assembly
-    stretched = contacts.corners.min(corner_motion(assembly, contacts, motion)[:, 0]) < 0.0
-    found = []
-    for i in np.flatnonzero(contacts.ties & stretched).tolist():
-        blocks = contacts.block_a[i], contacts.block_b[i]
-        inside = np.isin(blocks, part)
-        if inside.all():
-            continue
-        name, strength = assembly.names[blocks[int(inside[1])]], contacts.tie_strength[i]
-        if not np.isfinite(strength):
-            remedy = "give it one: --tie BLOCK:BLOCK:20kN"
-            raise InputError(f"the tie of '{name}' has no strength", where="part", remedy=remedy)
-        pull = strength * contacts.frame[i, 0]
-        found.append((name, contacts.centroid[i], pull if inside[1] else -pull))
-    return found
 
 
 OFFERED = Offered(
