@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -16,6 +16,7 @@ from drystone.base.arrays import texts
 from drystone.base.errors import InputError, located, quoted
 from drystone.io.jsontext import Field, parse
 from drystone.loads import Earth, Fill, LoadCase
+from drystone.loads.applied import common_acceleration
 from drystone.loads.earthquake import Shaken, with_shaken_weights
 from drystone.loads.load_words import (
     chosen_case,
@@ -25,7 +26,11 @@ from drystone.loads.load_words import (
     load_of_words,
     seismic_of_words,
 )
+from drystone.loads.placing import wrench_of_masses
 from drystone.model import Model
+
+WEIGHT = "weight"
+"""The name of the weight of the blocks alone, without the loads of the file."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,8 +72,9 @@ class Loads:
         return one or self.shaken or len(self.case) > 0
 
     def __post_init__(self) -> None:
-        if len(self.case) and self.acceleration is not None:
-            raise _two_weights()
+        if len(self.case) and not self._weight and self.acceleration is not None:
+            said = "the cases of the file have their own weight"
+            raise InputError(said, where="case", remedy="leave out --gravity")
         if self.gravity is not None and self._whole is not None:
             raise InputError("contradicts load", where="gravity", remedy="give one of them")
 
@@ -81,6 +87,11 @@ class Loads:
         text = given if isinstance(given, str) else ",".join(map(repr, np.ravel(given).tolist()))
         with located("gravity"):
             return gravity_vector(text)
+
+    @property
+    def _weight(self) -> bool:
+        """Whether weight alone is asked for, unless a case of the file has that name."""
+        return texts(self.case) == [WEIGHT]
 
     @property
     def _added(self) -> list[Any]:
@@ -101,7 +112,6 @@ class Loads:
         assembly: Assembly,
         cases: Sequence[LoadCase] = (),
         *,
-        own_weight: bool = False,
         base: LoadCase | None = None,
     ) -> tuple[LoadCase, list[str]]:
         """The load case of an assembly, and what is to be said of it.
@@ -111,33 +121,32 @@ class Loads:
         assembly
         cases
             Of the file; the first is used where nothing else is asked for.
-        own_weight
-            Whether the density is another than that of the file.
         base
             The load to which others are added, where no whole load is given.
+
+        Raises
+        ------
+        InputError
+            Gravity is given, and would leave out other loads of the file.
         """
         notes: list[str] = []
         whole = self.acceleration
-        if len(self.case):
-            if own_weight:
-                raise _two_weights()
+        if len(self.case) and not (self._weight and all(one.name != WEIGHT for one in cases)):
             total = combined(texts(self.case), cases)
-        elif whole is None and base is not None:
+        elif whole is None and base is not None and not self._weight:
             total = base
-        elif whole is None and cases and not own_weight:
+        elif whole is None and cases and not self._weight:
             total = cases[0]
             if len(cases) > 1 or not _is_weight(assembly, total):
                 notes.append(f"the load case '{total.name}' of the file is used")
         else:
             total = LoadCase.of(assembly, whole)
-            if cases and not _is_weight(assembly, cases[0]):
-                what = "another load"
-                if self.gravity is not None or own_weight:
-                    what = "gravity" if self.gravity is not None else "density"
-                notes.append(
-                    f"the load case '{cases[0].name}' of the file is not used: {what} was given; "
-                    "--case adds up cases of the file"
-                )
+            if cases and not self._weight and not _is_weight(assembly, cases[0]):
+                said = f"the load case '{cases[0].name}' of the file"
+                if self.gravity is not None:
+                    remedy = f"leave out --gravity, or give --case {WEIGHT} for weight alone"
+                    raise InputError(f"{said} is more than weight", where="gravity", remedy=remedy)
+                notes.append(f"{said} is not used: another load was given")
         gravity = whole if self.gravity is not None else None
         if self.shaken:
             total = with_shaken_weights(assembly, total, gravity_size(gravity))
@@ -151,9 +160,11 @@ class Loads:
         return total, [*notes, *total.notes, *([] if told is None else [told.words])]
 
 
-def _two_weights() -> InputError:
-    said = "the cases of the file have their own weight"
-    return InputError(said, where="case", remedy="leave out --gravity and --density")
+def weighed_anew(case: LoadCase, before: Assembly, after: Assembly) -> LoadCase:
+    """A load case of blocks that have other masses now: other loads stay as they are."""
+    along = common_acceleration(before, case)
+    less, more = (wrench_of_masses(one, along) for one in (before, after))
+    return replace(case, wrench=case.wrench - less + more)
 
 
 def added(given: Any, assembly: Assembly, gravity: Any = None, shaken: bool = False) -> LoadCase:

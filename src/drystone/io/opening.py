@@ -23,7 +23,7 @@ from drystone.detection.face_overlaps import overlap_lines, require_apart
 from drystone.detection.resample import FEW
 from drystone.io.capacity_words import with_joint_capacity, with_strength
 from drystone.io.draft import Contents
-from drystone.io.load_options import Loads
+from drystone.io.load_options import Loads, weighed_anew
 from drystone.io.registry import FileOptions, files_at, read_file
 from drystone.io.several import Paths, digest_of, is_paths, place_of
 from drystone.joint_capacity import DRY
@@ -103,7 +103,8 @@ def read(path: Paths, *, progress: Progress | None = None, **reading: Unpack[How
     density : [kg/m3] > 0, <= 1e6
         Density of all blocks (the file's, else 2400).
     gravity : [m/s2]
-        Gravity: its size along -z, or a vector (9.81). It takes the place of the load of the file.
+        Gravity: its size along -z, or a vector (9.81). Refused where the file has other loads than
+        weight, unless ``case`` is ``weight``.
     load
         A load at the centroid of a block or at a point in m, added to the others: a force such as
         ``BLOCK:0,0,-500`` in N, ``BLOCK:2kN`` along gravity, a mass ``BLOCK:80kg``, a moment
@@ -112,8 +113,8 @@ def read(path: Paths, *, progress: Progress | None = None, **reading: Unpack[How
         ``earth:side=-x,weight=18kN/m3,k=0.33``; or a part in JSON. Several are added up. In Python
         also the whole load: a load case, a multiple of gravity, or an acceleration (3,) [m/s2].
     case
-        A load case of the file in place of the weight, such as ``1.35*dead``. Several are added up
-        (the first one).
+        A load case of the file in place of the weight, such as ``1.35*dead``, or ``weight``: that
+        of the blocks alone. Several are added up (the first one).
     seismic
         Horizontal forces as shares of the weight, along x and y: of blocks, fill and masses in kg.
     shaken
@@ -246,8 +247,8 @@ def _model_of(
     contents, supports = _on_ground(contents, how.get("supports"), up, stored)
     assembly = contents.assembly
     if contents.contacts is not None and stored:
-        assembly = assembly if density is None else assembly.with_density(density)
-        model = Model(assembly, contents.contacts, loads.acceleration)
+        dense = assembly if density is None else assembly.with_density(density)
+        model = Model(dense, contents.contacts, loads.acceleration)
         model = model if coefficient is None else model.with_friction(coefficient)
         model = _as_stored(model, contents.detection, detection, anyway)
         if supports is not None:
@@ -267,9 +268,12 @@ def _model_of(
         model = with_ties(model, contents.ties)
     model = _cracked(_isolated(model, how), how)
     notes += model.notes
-    total, said = loads.on(model.assembly, contents.loads, own_weight=density is not None)
+    cases = contents.loads
+    if density is not None:
+        cases = tuple(weighed_anew(one, assembly, model.assembly) for one in cases)
+    total, said = loads.on(model.assembly, cases)
     return _with_joints(
-        replace(model, load=total, notes=(*notes, *said), cases=contents.loads),
+        replace(model, load=total, notes=(*notes, *said), cases=cases),
         {**how, "ends": how.get("ends") or contents.ends},
     )
 

@@ -489,8 +489,9 @@ def limit_train(
     known = model.load.fills
     lost = not known and any(one.kind.endswith("fill") for one in model.load.masses)
     if lost or len(known) + (fill is not None) > 1:
-        why = "the load has fill already, twice or times a negative factor"
-        raise InputError(why, where="load", remedy="give one fill, with --load or --fill")
+        why = "the load has fill already, of a file, twice or times a negative factor"
+        remedy = "give one fill, with --load or --fill; --case weight leaves out what a file has"
+        raise InputError(why, where="load", remedy=remedy)
     added, fill = fill is not None, known[0] if known else fill
     if steps < 1:
         raise InputError(f"{steps} places", where="steps", remedy="give one or more")

@@ -260,7 +260,7 @@ def _refuse_missing_load(cases: Field, actions: Sequence[Action], model: Model) 
         raise cases.error(
             f"no case has the load of the model, '{model.load.name}'",
             'write load = "model" in a case, or leave out --gravity, --seismic, --load and --case '
-            "(for a load in the file: give --gravity 9.81)",
+            "(for a load in the file: give --case weight)",
         )
 
 

@@ -16,7 +16,7 @@ from drystone.cli import main
 from drystone.model import Model
 from drystone.models import arch, box, incline, prism, tower, vault
 from drystone.view.palette import ROLE_COLOUR
-from tests.unit.cli.running import Capsys, answer
+from tests.unit.cli.running import Capsys, answer, refused
 
 
 def file(tmp_path: Path, assembly: Assembly, name: str = "model.json") -> str:
@@ -169,11 +169,12 @@ def test_contacts_and_loads_of_a_file_are_used_unless_told_otherwise(
     ]
     assert told["most_loaded"][1]["friction_used"] == pytest.approx(1.5e4 / (0.9 * 2400 * 9.81))
     assert answer(capsys, "check", model, "--friction", "0.6")[0] == 1
-    _, told = answer(capsys, "check", model, "--find-contacts", "--gravity", "9.81")
-    assert told["notes"] == [
-        "the load case 'push' of the file is not used: gravity was given; --case adds up cases of "
-        "the file"
-    ]
+    denser = io.read(model, density=4800.0).load.wrench  # the push stays
+    assert denser[1] == pytest.approx([1.5e4, 0.0, -4800 * 9.81, 0.0, 0.0, 0.0])
+    own = ("check", model, "--find-contacts", "--gravity", "9.81")
+    assert "the load case 'push' of the file is more than weight" in refused(capsys, *own)
+    _, told = answer(capsys, *own, "--case", "weight")
+    assert told["notes"] == []
     assert told["most_loaded"][1]["friction_used"] == pytest.approx(0.0, abs=1e-9)
 
 

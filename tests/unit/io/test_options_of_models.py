@@ -65,12 +65,15 @@ def test_loads_in_words_and_as_in_json_are_added(path: Path) -> None:
     assert np.allclose(word.load.wrench[2] - weight[2], [0.0, 0.0, -500.0, 0.0, 0.0, 0.0])
 
 
-def test_gravity_says_which_load_of_the_file_it_replaces(tmp_path: Path) -> None:
+def test_gravity_leaves_out_no_other_load_of_the_file_unless_weight_alone_is_asked_for(
+    tmp_path: Path,
+) -> None:
     push = LoadCase.gravity(TOWER) + LoadCase.point_load(TOWER, 1, (1e3, 0.0, 0.0))
     cases = (dataclasses.replace(push, name="push"),)
     io.write(Contents(TOWER, None, cases), tmp_path / "pushed.json")
-    model = drystone.read(tmp_path / "pushed.json", gravity=1.62)
-    assert "the load case 'push' of the file is not used" in " ".join(model.notes)
+    with pytest.raises(InputError, match="'push' of the file is more than weight; leave out"):
+        drystone.read(tmp_path / "pushed.json", gravity=1.62)
+    model = drystone.read(tmp_path / "pushed.json", gravity=1.62, case="weight")
     assert np.allclose(model.load.wrench[1], [0.0, 0.0, -1.62 * TOWER.mass[1], 0.0, 0.0, 0.0])
     assert drystone.read(tmp_path / "pushed.json").load.name == "push"
 

@@ -386,7 +386,7 @@ def test_the_command_draws_the_envelope(
     [
         ({"train": Train("long", (0.0, 9.0), (1e3, 1e3))}, "'long' is 9 m long, the bridge 6.72 m"),
         ({"steps": 0}, "0 places"),
-        ({"load": "fill:cover=0.1m,weight=20kN/m3", "fill": FILL}, "has fill already"),
+        ({"load": "fill:cover=0.1m,weight=20kN/m3", "fill": FILL}, "--case weight leaves out"),
     ],
 )
 def test_what_cannot_cross_is_told(bridge: Model, given: dict[str, object], told: str) -> None:
