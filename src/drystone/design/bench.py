@@ -54,6 +54,11 @@ class Tried(OneLine):
     skipped: str = ""
     less: str = ""
 
+    @property
+    def only(self) -> str:
+        """Of what holds a region, not the whole: ``alone``, or ``for some contact stiffnesses``."""
+        return self.what.partition(" holds the region ")[2].partition(", but of the whole: ")[0]
+
 
 _HARD = 3.0
 """A region jams where a joint presses with this many times its load, and it falls with
@@ -163,6 +168,7 @@ class Bench:
         self.rests, steps = [], change.steps
         if np.isfinite(below):
             steps = (*(x for x in steps if x < below), below - change.close)
+            steps = tuple(x for x in steps if x >= change.low)
 
         def stands(value: float) -> bool:
             if not self.large:  # few blocks are at rest as soon from nothing

@@ -19,7 +19,7 @@ from drystone.base.settings import Options, checked_call
 from drystone.base.workers import WorkerPool
 from drystone.design.bench import Tried
 from drystone.design.changed import Changed, Kept
-from drystone.design.diagnosis import Diagnosis, DiagnosisOptions, diagnose
+from drystone.design.diagnosis import Diagnosis, DiagnosisOptions, Region, diagnose
 from drystone.design.margin import QUICK, DesignMargin
 from drystone.design.mend_kinds import KINDS
 from drystone.design.whole_check import mends_of_kind
@@ -79,8 +79,7 @@ def mend(given: Given, *, options: MendOptions | None = None, **how: Unpack[Long
             )  # fmt: skip
             passed |= _hopeless(found)
             if found.mends:
-                # one that holds only after settling comes last
-                best = max(found.mends, key=lambda one: chosen.margin.meets(one.result))
+                best = found.mends[0]
                 model, kept = best.model, best.change
                 steps.append(kept)
                 whose = f"{kept.whose}: " if kept.whose else ""
@@ -183,8 +182,8 @@ class Mends(Answer):
     diagnosis
         Of the structure, or of the first case of the margin in which it falls.
     mends
-        Each has one change. Per region, in order of cost, those that jam last; of equal cost and
-        kind the smallest value first.
+        Each has one change. Per region, in order of cost, those that jam last, and behind them
+        those that hold only after settling; of equal cost and kind the smallest value first.
     tried
         Kinds that do not hold a region, by the names of its blocks.
     message
@@ -229,10 +228,26 @@ class Mends(Answer):
         near = [f"less than the margin: {one.less}" for _, one in self.tried if one.less]
         failed += [Sentence(text, Role.REMARK) for text in near]
         mends = [Sentence(text) for text in self._listed()]
-        reasons = [one for one in reasons if one.text not in (self.message, NOTHING)]
+        only = {region.sentence: self._only(region) for region in self.diagnosis.regions}
+        reasons = [
+            replace(one, text=one.text + only.get(one.text, ""))
+            for one in reasons
+            if one.text not in (self.message, NOTHING)
+        ]
         built = [Sentence(_BUILT, Role.REMARK)] if self.mends else []
         said = [verdict, Sentence(self.message), *mends, *built, *failed, *reasons]
         return [one for one in said if one.text]
+
+    def _only(self, region: Region) -> str:
+        """Which of the ways to hold a region do not hold the whole."""
+        names = tuple(self.model.assembly.names[i] for i in region.blocks)
+        mended = {one.change.kind for one in self.of(names)}
+        only = {
+            one.kind: f"{one.kind}: {one.only}"
+            for blocks, one in self.tried
+            if blocks == names and one.only and one.kind in region.needs.kinds - mended
+        }
+        return f" ({'; '.join(only.values())})" if only else ""
 
     def _listed(self) -> list[str]:
         """A line for each mend; where several regions fall and it has no name, that of each."""
@@ -370,7 +385,7 @@ def find_mends(
                     tell_one(one)
                 clock.tell(f"mends of region {number}", done, len(chosen.kinds))
             mended += bool(own)
-            mends += sorted(own, key=_rank)
+            mends += sorted(own, key=partial(_rank, chosen.margin))
     return Mends(found, tuple(mends), tuple(tried), case=case)
 
 
@@ -404,10 +419,10 @@ def _falls_besides(model: Model, falling: set[int], stop: Stop) -> set[int]:
     return more
 
 
-def _rank(made: Changed) -> tuple[bool, float, int, float]:
-    """Those that jam last; cost, then kind, then size; costs that differ by rounding are equal."""
-    one = made.change
-    return one.jams > 0.0, round(one.cost, 9), KINDS.index(one.kind), one.value
+def _rank(margin: DesignMargin, made: Changed) -> tuple[bool, bool, float, int, float]:
+    """Those that settle last, then those that jam; cost, but for rounding, then kind and size."""
+    one, settles = made.change, not margin.meets(made.result)
+    return settles, one.jams > 0.0, round(one.cost, 9), KINDS.index(one.kind), one.value
 
 
 def kept_blocks(model: Model, keep: int | str | Sequence[int | str]) -> frozenset[int]:

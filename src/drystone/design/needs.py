@@ -137,6 +137,12 @@ class Needs(OneLine):
     turn: Need | None = None
     glue: tuple[Need, ...] = ()
 
+    @property
+    def kinds(self) -> set[str]:
+        """The kinds of mends that hold the region alone."""
+        found = {name for name in ("friction", "ballast", "turn", "glue") if getattr(self, name)}
+        return found | ({"prop"} if self.props.props else set())
+
 
 def search_needs(bench: Bench, needs: Needs) -> Iterator[dict[str, Any]]:
     """The needs of the region of a bench, one after the other, as fields of :class:`Needs`.

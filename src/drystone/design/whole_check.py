@@ -126,6 +126,7 @@ class _WholeCheck:
         self.why: dict[float, str] = {}
         self.stood: dict[float, Result] = {}
         self.largest = value
+        self.sensitive = False  # whether it stands for some contact stiffnesses
 
     def mend(self) -> Changed | None:
         """The change with the least value that holds the structure; ``None`` if it falls."""
@@ -201,7 +202,9 @@ class _WholeCheck:
         first, why = self.first, self.why
         if first not in why:
             self._checked(first, settles=True)
-        what = f"{self.candidate.words(first)} holds the region, but of the whole: {why[first]}"
+        only = "for some contact stiffnesses" if self.sensitive else "alone"
+        what = f"{self.candidate.words(first)} holds the region {only}"
+        what += f", but of the whole: {why[first]}"
         if self.largest > first:
             last = f" ({why[self.largest]})" if self.largest in why else ""
             words = self.candidate.words(self.largest)
@@ -244,6 +247,7 @@ class _WholeCheck:
         if not bench.margin.cases(both[1]):
             self.stood[value] = result
         self.why[value] = result.message
+        self.sensitive |= result.stable and not margin.meets(result)
         return _Held(value, both[0], result, settles) if margin.meets(result) else None
 
 

@@ -20,6 +20,8 @@ from drystone.design import (
     still_edge,
     turn_joint,
 )
+from drystone.design.bench import Bench
+from drystone.design.changes import Change
 from drystone.joint_capacity import JointCapacity
 from drystone.models import arch, barrel_vault, box, h_model, shelf, tower, wedge
 
@@ -296,6 +298,25 @@ def test_mends_come_before_reasons_and_what_failed_is_one_line(fallen: Mends) ->
     assert said.index(fallen.diagnosis.reasons[0]) > first[-1]
     (failed,) = [one for one in said if "tried without success" in one]
     assert failed.startswith(f"{len(fallen.tried)} combination")
+
+
+def test_what_holds_a_region_but_not_the_whole_is_told_beside_what_would_hold_it(
+    fallen: Mends,
+) -> None:
+    names, one = fallen.tried[0]
+    what = "a prop holds the region for some contact stiffnesses, but of the whole: it falls"
+    failed = replace(one, kind="prop", what=what)
+    found = replace(fallen, mends=(), tried=((names, failed),))
+    reason = next(text for text in found.diagnosis.reasons if "would hold" in text)
+    told = f"{reason} (prop: for some contact stiffnesses)"
+    assert told in [sentence.text for sentence in found.sentences()]
+
+
+def test_no_value_below_the_lowest_of_a_change_is_tried() -> None:
+    """The other side of a joint, where one side stands with the flattest wedge already."""
+    flat = Change("wedge", lambda _, model, *__: model, str, (5.0, 10.0), close=0.25, low=5.0)
+    bench = Bench(Model.of(tower(2), friction=0.6), [1], np.zeros((3, 6)))
+    assert bench.smallest([flat, flat]) == (flat, 5.0)
 
 
 def test_the_page_has_a_stage_for_each_mend_and_a_list_of_them(fallen: Mends) -> None:
