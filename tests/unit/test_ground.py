@@ -649,6 +649,7 @@ def test_pressures_on_the_same_faces_are_added_in_their_picture() -> None:
         ("fill:cover=-0.1m,weight=20kN/m3", "cover is -0.1; give 0 or more"),
         ("fill:cover=0.1m,weight=20kN/m3,grade=90%", "m below the top of 'voussoir-"),
         ("fill:cover=0.1m,weight=20", "'20' has no unit"),
+        ("fill:cover=0.1m,weight=20kN/m33", "'20kN/m33' has another unit; write 20kN/m3 or"),
         ("fill:cover=0.1m", "fill has no weight"),
         ("fill:cover=1e9m,weight=20kN/m3", "cover is 1e.09; give 0 or more, up to 100"),
         ("fill:cover=0.1m,weight=1e30kN/m3", "'1e30kN' is larger than anything .* to 1e.09kN"),
@@ -677,6 +678,7 @@ def test_pressures_on_the_same_faces_are_added_in_their_picture() -> None:
         ("earth:side=-x,weight=18kN/m3,k=active:30", "'30' is no angle; write active:30deg"),
         ("earth:side=-x,weight=18kN/m3,k=30deg", "'30deg' is an angle; write active:30deg"),
         ("earth:side=-x,weight=18kN/m3,k=0.3,wall_friction=active:30deg", "is not a number"),
+        ("earth:side=-x,weight=18kN/m3,k=0.3,surcharge=10kN/m20", "another unit; write 10kPa or"),
         ("earth:side=-x,weight=18kN/m3,k=0.3,surcharge=5psf", "use one of Pa, kPa, MPa, kN/m2"),
         (
             "earth:side=-x,weight=18kN/m3,wall_friction=50deg,k=active:30deg",

@@ -53,6 +53,21 @@ def read_words(text: str, what: str, known: Mapping[str, Reader], example: str) 
     return found
 
 
+def before(text: str, unit: str, example: str) -> str:
+    """What is given by exactly this unit, such as ``20kN`` of ``20kN/m3``.
+
+    Raises
+    ------
+    InputError
+        By another unit, or by none.
+    """
+    size, slash, per = text.strip().partition("/")
+    if per != unit:
+        other = "another" if slash else "no"
+        raise InputError(f"'{text}' has {other} unit", remedy=f"write {example}")
+    return size
+
+
 def weight(text: str) -> float:
     """A weight by volume [N/m3], such as ``20kN/m3`` or ``2000kg/m3``.
 
@@ -61,10 +76,9 @@ def weight(text: str) -> float:
     >>> weight("20kN/m3"), weight("2000kg/m3")
     (20000.0, 19620.0)
     """
-    size, slash, _ = text.partition("/m3")
-    if not slash:
-        raise InputError(f"'{text}' has no unit", remedy="write 20kN/m3 or 2000kg/m3")
-    return units.measured(size, units.FORCES | _MASSES, what="weight")
+    return units.measured(
+        before(text, "m3", "20kN/m3 or 2000kg/m3"), units.FORCES | _MASSES, what="weight"
+    )
 
 
 def force(text: str) -> float:
@@ -74,9 +88,10 @@ def force(text: str) -> float:
 
 def pressure(text: str) -> float:
     """A pressure [Pa], such as ``10kPa`` or ``10kN/m2``."""
-    size, slash, _ = text.partition("/m2")
-    known = units.FORCES if slash else units.PRESSURES | {"kN/m2": 1e3}  # to be told
-    return units.measured(size, known, what="pressure")
+    if "/" in text:
+        return units.measured(before(text, "m2", "10kPa or 10kN/m2"), units.FORCES, what="pressure")
+    known = units.PRESSURES | {"kN/m2": 1e3}  # to be told
+    return units.measured(text, known, what="pressure")
 
 
 def length(text: str) -> float:

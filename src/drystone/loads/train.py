@@ -18,15 +18,12 @@ from drystone.base.files import read_bytes, toml_of
 from drystone.base.settings import Options
 from drystone.base.units import quantity
 from drystone.loads.fill import Tops
-from drystone.loads.ground_words import force, length
+from drystone.loads.ground_words import before, force, length
 
 
 def _line_load(text: str) -> float:
     """A load by length [N/m]."""
-    size, slash, _ = text.partition("/m")
-    if not slash:
-        raise InputError(f"line '{text}' has no unit", remedy="write 80kN/m")
-    return force(size)
+    return force(before(text, "m", "line = '80kN/m', on all of the lane"))
 
 
 _READ = {"contact": length, "across": length, "line": _line_load, "lane": length, "clear": length}
