@@ -550,6 +550,12 @@ def test_water_and_a_surcharge_add_to_earth() -> None:
     load = Earth.named("side=y,weight=20kN/m3,k=0.5,water=1m,surcharge=10kPa").on(wall)
     thrust = 0.5 * (20e3 * 4.5 - 9810.0 * 0.5 + 10e3 * 3.0) + 9810.0 * 0.5
     assert load.wrench[:, 1].sum() == pytest.approx(-thrust)
+    uplift, _, typed = load.notes[0].partition(" --load ")
+    assert uplift.startswith("uplift below the wall is not counted")
+    part = typed.strip("'").replace("NAME", "block-1")
+    pushed = check(wall, friction=0.6, load=part).model.load.wrench
+    assert pushed[1, 2] == pytest.approx(5000.0 - 9.81 * wall.mass[1])
+    assert not Earth.named("side=y,weight=20kN/m3,k=0.5,water=0m").on(wall).notes
 
 
 def test_earth_weighs_on_a_back_that_leans_and_not_on_what_stands_before_it() -> None:

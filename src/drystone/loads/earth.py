@@ -33,6 +33,10 @@ _GRAZED = math.tan(math.radians(80.0))
 """Slope of a face across the line of sight. Chosen: a splayed wing wall has less."""
 _WATER = 9810.0
 """[N/m3]"""
+_UPLIFT = (
+    "uplift below the wall is not counted: add it as a pressure [Pa], such as --load "
+    """'{"kind": "surface", "block": "NAME", "pressure": 5000, "facing": [0, 0, -1]}'"""
+)
 
 
 @dataclass(frozen=True)
@@ -64,7 +68,7 @@ class Earth(Options):
     At depth h the vertical pressure is ``surcharge + weight * h``, less that of water below its
     level. It acts on what is inclined and looks up, and ``k`` times it on vertical areas, level and
     square to the face in plan, both where no other block lies before a face; the pressure of water
-    is added.
+    is added, and a note says that its uplift below the wall is not.
 
     Examples
     --------
@@ -166,4 +170,6 @@ class Earth(Options):
             f"earth presses also faces of {ends} that are seen from side {self.side} at less than "
         )
         notes = (f"{note}10 degrees, square to them",) if ends else ()
+        if self.water is not None and self.water > float(strips.t.min()):
+            notes += (_UPLIFT,)
         return LoadCase(strips.wrenches(assembly, traction), name, notes, surface=surface)
