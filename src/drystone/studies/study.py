@@ -55,9 +55,9 @@ class _Task(OneLine):
         own = {name: value for name, value in self.inputs.items() if name not in _READING}
         try:
             given = self.build(**own) if callable(self.build) else self.build
-        except (ValueError, ArithmeticError) as error:
-            if isinstance(error, DrystoneError):
-                raise
+        except DrystoneError:
+            raise
+        except Exception as error:  # a family is the caller's: any of its errors ends its row
             what = f"{type(error).__name__}: {error}"
             raise InputError(what, where="its function", remedy="leave the value out") from error
         reading = {name: value for name, value in self.inputs.items() if name in _READING}

@@ -32,7 +32,9 @@ def refusing(width: float) -> drystone.Assembly:
     if width > 0.6:
         raise InputError("is too wide", where="width")
     if width > 0.5:
-        raise ValueError("of no family")
+        raise RuntimeError("of no family")
+    if width < 0.1:
+        raise KeyboardInterrupt
     return pier(width)
 
 
@@ -72,8 +74,10 @@ def test_rows_are_checked_and_what_is_refused_has_its_reason() -> None:
     found = study(refusing, {"width": [0.5, 0.9, 0.6, 0.2]}, seismic=(0.2, 0.0))
     assert found["verdict"].tolist() == ["stable", "refused", "refused", "unstable"]
     assert "is too wide" in found["message"][1]
-    assert "its function: ValueError: of no family" in found["message"][2]
+    assert "its function: RuntimeError: of no family" in found["message"][2]
     assert found["mechanism"].tolist() == ["", "", "", "pier"]
+    with pytest.raises(KeyboardInterrupt):
+        study(refusing, {"width": [0.05]})
     margin = study(pier, {"width": [0.5]})["tilt_margin"]
     assert margin == pytest.approx(math.degrees(math.atan(0.25)), abs=0.01)
 
