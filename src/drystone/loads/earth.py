@@ -169,7 +169,7 @@ class Earth(Options):
         note = (
             f"earth presses also faces of {ends} that are seen from side {self.side} at less than "
         )
-        notes = (f"{note}10 degrees, square to them",) if ends else ()
+        notes: tuple[str, ...] = (f"{note}10 degrees, square to them",) if ends else ()
         if self.water is not None and self.water > float(strips.t.min()):
             notes += (_UPLIFT,)
         return LoadCase(strips.wrenches(assembly, traction), name, notes, surface=surface)
