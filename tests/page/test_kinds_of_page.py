@@ -62,7 +62,7 @@ KINDS: dict[str, tuple[Callable[[], Any], str]] = {
     "penalty": (lambda: drystone.solve_cra_penalty(ARCH.with_friction(0.2)), ""),
     "limit of friction": (lambda: drystone.limit_friction(ARCH), "Stands down to friction 0."),
     "limit of a load": (
-        lambda: drystone.limit_load(STACK, sideways(1.0)),
+        lambda: drystone.limit_load(STACK, sideways(2.0)),
         "Does not stand under the load as given, only up to load factor 0.",
     ),
     "limit of thickness": (

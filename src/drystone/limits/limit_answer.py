@@ -182,9 +182,9 @@ class Limit(LimitValues, Answer):
 
     @property
     def _below_given(self) -> bool:
-        """Whether a load is not carried as it was given."""
-        falls = self.best.falls
-        loaded = self.quantity.name == "load factor" and falls is not None
+        """Whether a load, that is no unit, is not carried as it was given."""
+        falls, varied = self.best.falls, self.quantity
+        loaded = varied.name == "load factor" and not varied.unit and falls is not None
         return loaded and self.quantity.acting + float(falls or 0.0) <= 1.0
 
     @property
