@@ -310,5 +310,7 @@ def _missing(param: click.Parameter | None, params: list[click.Parameter]) -> st
 
 
 def _meant(given: str, known: Any, ctx: click.Context | None) -> str:
+    if ctx is not None and ctx.command.name == "study" and given in ("--friction", "--density"):
+        return f"write it as a parameter, --set {given.removeprefix('--')}=VALUE"
     close = difflib.get_close_matches(given, list(known), n=1)
     return f"did you mean '{close[0]}'? {kinds.see(ctx)}" if close else kinds.see(ctx)

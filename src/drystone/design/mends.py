@@ -229,11 +229,8 @@ class Mends(Answer):
         failed += [Sentence(text, Role.REMARK) for text in near]
         mends = [Sentence(text) for text in self._listed()]
         only = {region.sentence: self._only(region) for region in self.diagnosis.regions}
-        reasons = [
-            replace(one, text=one.text + only.get(one.text, ""))
-            for one in reasons
-            if one.text not in (self.message, NOTHING)
-        ]
+        reasons = [one for one in reasons if one.text not in (self.message, NOTHING)]
+        reasons = [replace(one, text=one.text + only.get(one.text, "")) for one in reasons]
         built = [Sentence(_BUILT, Role.REMARK)] if self.mends else []
         said = [verdict, Sentence(self.message), *mends, *built, *failed, *reasons]
         return [one for one in said if one.text]
@@ -241,12 +238,9 @@ class Mends(Answer):
     def _only(self, region: Region) -> str:
         """Which of the ways to hold a region do not hold the whole."""
         names = tuple(self.model.assembly.names[i] for i in region.blocks)
-        mended = {one.change.kind for one in self.of(names)}
-        only = {
-            one.kind: f"{one.kind}: {one.only}"
-            for blocks, one in self.tried
-            if blocks == names and one.only and one.kind in region.needs.kinds - mended
-        }
+        kinds = region.needs.kinds - {one.change.kind for one in self.of(names)}
+        tried = [one for blocks, one in self.tried if blocks == names and one.kind in kinds]
+        only = {one.kind: f"{one.kind}: {one.only}" for one in tried if one.only}
         return f" ({'; '.join(only.values())})" if only else ""
 
     def _listed(self) -> list[str]:

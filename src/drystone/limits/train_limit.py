@@ -297,7 +297,8 @@ class TrainEnvelope(Answer):
         by = f"by its width over the effective one of {_range(effective)} m, to which axles spread"
         how = (
             "as if trains stood side by side: one counts on no more than its effective width, and "
-            "lighter ones beside it, as on lanes 2 and 3, are not added where they overlap it"
+            "lighter ones beside it, as on lanes 2 and 3, are not added where they overlap it; for "
+            "one lane only give the fill 'between', or a train without 'across' and 'lane'"
         )
         if shares.min() < 1.0:
             how = (

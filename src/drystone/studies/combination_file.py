@@ -475,6 +475,11 @@ def _acting(word: Field, one: Field, model: Model) -> LoadCase:
     """What one word of the load of a case means; the weight of blocks is shaken anyhow."""
     if word.text() == "gravity":
         return _weight(one, model)
+    if word.text().startswith("train:"):
+        remedy = (
+            "compare its partial factor with that of drystone limit train, whose --out writes it"
+        )
+        raise word.error("a train is no load of a case", remedy)
     with word.blamed():
         own = word.text() == "model"
         made = model.load if own else chosen_case(word.text(), model.assembly, model.cases)

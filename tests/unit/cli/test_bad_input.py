@@ -134,6 +134,12 @@ def test_a_missing_file_gets_one_line_and_exit_2(capsys: pytest.CaptureFixture[s
     assert err == "drystone: missing.obj: there is no such file; check the path\n"
 
 
+def test_a_study_takes_friction_as_a_parameter(capsys: pytest.CaptureFixture[str]) -> None:
+    code, _, err = answer(capsys, "study", "arch", "--friction", "0.5")
+    assert code == 2
+    assert "--set friction=VALUE" in err
+
+
 def test_an_unknown_command_gets_one_line_and_exit_2(capsys: pytest.CaptureFixture[str]) -> None:
     code, out, err = answer(capsys, "chekc")
     assert (code, out) == (2, "")

@@ -179,6 +179,7 @@ def test_cases_are_those_of_the_file_of_the_model_too(tmp_path: Path) -> None:
         (PUSH.format(1) + 'category = "A"', "case.push: has psi and a category"),
         ('[case.q]\nkind = "variable"\nload = "gravity"', "has neither psi nor a category"),
         (WEIGHT.replace("gravity", "block-1:500"), "case.weight.load: '500' is not a load"),
+        (WEIGHT.replace("gravity", "train:lm1"), "case.weight.load: a train is no load of a case"),
         ('[case.snow]\nkind = "permanent"', "no load case is called 'snow'"),
         (WEIGHT.replace("permanent", "dead"), "case.weight.kind: is 'dead'"),
         (WEIGHT + "[material]\nfriction = 0.8", "material.friction: is 0.8"),
