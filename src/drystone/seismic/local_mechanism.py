@@ -17,7 +17,7 @@ import numpy as np
 from drystone.answer import Answer, Layer, LayerKind, Role, Scene, SceneStage, Sentence, State
 from drystone.answer.chart import Chart, MarkKind, Marks
 from drystone.answer.drawing import interface_layers, load_layers, marks, seen, state_of
-from drystone.base.arrays import Floats, Ints, lengths
+from drystone.base.arrays import SAME, Floats, Ints, lengths
 from drystone.base.declared import Offered
 from drystone.base.display import named
 from drystone.base.errors import InputError, counted
@@ -329,8 +329,8 @@ def local_mechanism(
     Raises
     ------
     InputError
-        The part has no free block or a tie without a strength; the line is vertical, along the
-        direction or not under the part.
+        The direction is not level; the part has no free block or a tie without a strength; the line
+        is vertical, along the direction or not under the part.
 
     Examples
     --------
@@ -349,10 +349,9 @@ def local_mechanism(
     clock = Clock.of(how)
     model = supported_model(given, **how)
     model.require_ends_as_drawn("the kinematic method")
-    along = axis_vector(direction, "direction") * np.array([1.0, 1.0, 0.0])
-    if not along.any():
-        raise InputError("is vertical", where="direction", remedy="give x, y or another level one")
-    along /= np.linalg.norm(along)
+    along = axis_vector(direction, "direction")
+    if abs(along[2]) > SAME:
+        raise InputError("is not level", where="direction", remedy="give x, y or X,Y,0")
     part = part if isinstance(part, str) else tuple(part)
     asked = _Asked(
         direction=", ".join(f"{x:.4g}" for x in along + 0.0),
@@ -362,14 +361,12 @@ def local_mechanism(
     )
     if part:
         turning, motion, remarks = turning_of(model, along, part, line)
-        found = turning.oscillator()
-        moved, load = turning.curve()
         told = "a rigid part that turns about a line; its joints neither slide, pull nor crush"
         if (model.contacts.crushes & ~model.contacts.ties).any():
             what = "is of rigid bodies that do not crush"
             raise InputError(what, where="part", remedy="leave the strength or the part out")
         return LocalMechanism(
-            model, motion, found, moved, load, told, site, asked,
+            model, motion, turning.oscillator(), *turning.curve(), told, site, asked,
             remarks=(*remarks, *_above_ground(model, turning, site)), moments=turning.moments(),
         )  # fmt: skip
     if line is not None:

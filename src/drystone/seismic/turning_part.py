@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 
 import numpy as np
@@ -61,27 +61,46 @@ def turning_of(
         return *_about(model, chosen, along, origin, axis), remarks
     least, ends, found = _soonest(model, chosen, along)
     remarks += [f"the part turns about the edge of its foot from {ends}"] if ends else []
-    return *found, [*remarks, *_upper_ones(model, chosen, along, least)]
+    return *found, [*remarks, *_sooner_ones(model, chosen, along, least)]
 
 
-def _upper_ones(model: Model, part: Ints, along: Floats, least: float) -> list[str]:
-    """That what stands on level beds of a part turns sooner than the part, at ``least``."""
-    assembly, contacts, told = model.assembly, model.contacts, []
+def _sooner_ones(model: Model, part: Ints, along: Floats, least: float) -> list[str]:
+    """That a piece of a part turns sooner than the part, at ``least``, and presses on no other.
+
+    Friction may hold what presses on another as the earthquake goes, or as it turns.
+    """
+    told: list[str] = []
+    for name, own, out in _pieces(model, part):
+        with suppress(InputError):  # a tie without a strength holds it
+            sooner, _, (turning, _) = _soonest(model, own, along)
+            pressed = out @ np.transpose([along, np.cross(turning.axis, UP)]) > _CLOSE
+            if sooner < (1.0 - _CLOSE) * least and not pressed.any():
+                least, names = sooner, named([model.assembly.names[i] for i in own])
+                told = [f"{name} turns sooner, at {sooner:.4g} g: {names}"]
+    return told
+
+
+def _pieces(model: Model, part: Ints) -> Iterator[tuple[str, Ints, Floats]]:
+    """What stands on level beds of a part, then each side of its upright joints.
+
+    By name, with its blocks and normals (m, 3) out of it, zero where it has no upright joint.
+    """
+    assembly, contacts = model.assembly, model.contacts
+    a, b, normal = contacts.block_a, contacts.block_b, contacts.frame[:, 0]
     bottom = np.full(len(assembly), -np.inf)
     bottom[part] = [assembly.blocks[i].vertices[:, 2].min() for i in part]
-    rise, height = np.abs(contacts.frame[:, 0, 2]), contacts.centroid[:, 2]
+    rise, height = np.abs(normal[:, 2]), contacts.centroid[:, 2]
+    bed = (rise > _CLOSE) & ~contacts.ties
     for level in np.unique(bottom[part])[1:]:
         upper = bottom >= level
-        cut = (upper[contacts.block_a] != upper[contacts.block_b]) & (rise > _CLOSE)
         uneven = (rise < 1.0 - _CLOSE) | (np.abs(height - level) > _CLOSE * assembly.size.max())
-        if (cut & uneven & ~contacts.ties).any():
-            continue
-        with suppress(InputError):  # a tie without a strength holds it
-            sooner, *_ = _soonest(model, np.flatnonzero(upper), along)
-            if sooner < (1.0 - _CLOSE) * least:
-                names, least = named([assembly.names[i] for i in np.flatnonzero(upper)]), sooner
-                told = [f"what is above {level:.4g} m turns sooner, at {sooner:.4g} g: {names}"]
-    return told
+        if not ((upper[a] != upper[b]) & bed & uneven).any():
+            yield f"what is above {level:.4g} m", np.flatnonzero(upper), np.zeros((1, 3))
+    mine = np.isin(a, part) & np.isin(b, part) & ~contacts.ties
+    group = linked(a[mine & bed], b[mine & bed], len(assembly))
+    for one in np.unique(group[part]):
+        out = normal * np.subtract(group[a] == one, group[b] == one, dtype=float)[:, None]
+        yield "what upright joints part", part[group[part] == one], out[mine]
 
 
 def _soonest(model: Model, part: Ints, along: Floats) -> tuple[float, str, tuple[Turning, Floats]]:
@@ -101,26 +120,23 @@ def _about(
     assembly, axis = model.assembly, axis / np.linalg.norm(axis)
     applied = applied_loads(assembly, model.load.beside_masses)
     mine = np.isin(applied.block, chosen)
-    couple = applied.moment[mine].sum(axis=0)
     at, weight, _, names = masses_of(model, chosen)
     own, others = weight[: len(chosen)], weight[len(chosen) :]  # the part is one body
     masses = np.vstack([own @ at[: len(chosen)] / own.sum(), at[len(chosen) :]])
-    weight = np.concatenate([[own.sum()], others])
     motion = np.zeros((len(assembly), 6))
     motion[chosen, :3] = np.cross(axis, assembly.centroid[chosen] - origin)
     motion[chosen, 3:] = axis
     pulls = pulls_of(model, chosen, motion)
     place = [masses, applied.point[mine], *(x[None] for _, x, _ in pulls)]
     carried = [one.wrench[chosen[one.mass[chosen] != 0.0], :3] for one in model.load.masses]
-    mass = assembly.mass[chosen].sum()
-    force = [mass * applied.acceleration[None], *carried, applied.force[mine],
-             *(x[None] for *_, x in pulls)]  # fmt: skip
+    force = [assembly.mass[chosen].sum() * applied.acceleration[None], *carried,
+             applied.force[mine], *(x[None] for *_, x in pulls)]  # fmt: skip
     loads = [f"load on {assembly.names[i]}" for i in applied.block[mine]]
     shaken = ("own weight", *names[len(chosen) :])
     name = (*shaken, *loads, *(f"tie {one}" for one, *_ in pulls))
     turning = Turning(
-        origin, axis, along, name, np.vstack(place), np.vstack(force), couple, shaken, masses,
-        weight,
+        origin, axis, along, name, np.vstack(place), np.vstack(force),
+        applied.moment[mine].sum(axis=0), shaken, masses, np.concatenate([[own.sum()], others]),
     )  # fmt: skip
     return turning, motion
 
@@ -171,12 +187,10 @@ def _lowest_edges(assembly: Assembly, part: Ints, along: Floats) -> list[tuple[F
     """
     corners = np.vstack([assembly.blocks[i].vertices for i in part])
     low = corners[corners[:, 2] <= corners[:, 2].min() + SAME * assembly.size.max()]
-    across, far = np.cross(UP, along), low[np.argmax(low @ along)]
-    foot, found = level_hull(low), [(far, far + across)]
-    for start, end in zip(foot, np.roll(foot, -1, axis=0), strict=True):
-        if len(foot) > 2 and (end - start) @ across > _CLOSE * np.linalg.norm(end - start):
-            found.append((start, end))
-    return found
+    across, far, foot = np.cross(UP, along), low[np.argmax(low @ along)], level_hull(low)
+    edges = zip(foot, np.roll(foot, -1, axis=0), strict=True) if len(foot) > 2 else ()
+    over = [(a, b) for a, b in edges if (b - a) @ across > _CLOSE * np.linalg.norm(b - a)]
+    return [(far, far + across), *over]
 
 
 def _line(line: Sequence[float], along: Floats) -> tuple[Floats, Floats]:
@@ -207,18 +221,16 @@ def _under(assembly: Assembly, part: Ints, origin: Floats, axis: Floats) -> list
         above = [assembly.names[i] for i in part[bottom >= origin[2] - near]]
         if 0 < len(above) < len(part):
             remedy += f", or name the blocks above it alone: {named(above)} (--part)"
-        side = "above" if rise > 0.0 else "below"
-        told = f"lies {abs(rise):.4g} m {side} the lowest edge of the part"
+        told = f"lies {abs(rise):.4g} m {'above' if rise > 0.0 else 'below'} the part's lowest edge"
         raise InputError(told, where="line", remedy=remedy)
     ahead = np.cross(axis, UP)
     feet = (corners[corners[:, 2] <= lowest + near] - origin) @ ahead
-    beside = float(np.clip(0.0, feet.min(), feet.max()))
-    if abs(beside) > near:
-        edge = origin + ahead * feet.max()
-        told = f"lies {abs(beside):.4g} m beside the part's lowest edges"
-        remedy = f"give one through {', '.join(f'{x + 0.0:.4g}' for x in edge)}"
-        raise InputError(told, where="line", remedy=remedy)
     behind = float(feet.max())
+    beside = float(np.clip(0.0, feet.min(), behind))
+    if abs(beside) > near:
+        told = f"lies {abs(beside):.4g} m beside the part's lowest edges"
+        remedy = f"give one through {', '.join(f'{x + 0.0:.4g}' for x in origin + behind * ahead)}"
+        raise InputError(told, where="line", remedy=remedy)
     return [f"the line lies {behind:.4g} m behind the part's edge"] if behind > near else []
 
 

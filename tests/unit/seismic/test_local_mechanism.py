@@ -216,6 +216,23 @@ def test_what_turns_sooner_within_a_part_is_told() -> None:
     assert not local_mechanism(arch(0.2, 9), part="voussoir-*").remarks  # its joints are no beds
 
 
+@pytest.mark.parametrize(
+    ("side", "direction", "told"),
+    [
+        ((0.5, 2.5, 5.0), (-1, -1, 0), ["what upright joints part turns sooner, at 0.1414 g: x"]),
+        ((3.0, 0.5, 1.0), (0, 1, 0), []),  # x alone at 0.1 g would enter y
+        ((3.0, 0.5, 5.0), (0, -1, 0), ["what upright joints part turns sooner, at 0.1 g: x"]),
+    ],
+)
+def test_a_leg_of_a_part_without_bond_that_turns_sooner_is_told(
+    side: tuple[float, float, float], direction: tuple[int, int, int], told: list[str]
+) -> None:
+    """By hand (0.5 / 5) sqrt(2) about the long edge, and 0.5 / 5."""
+    wall = box((3.0, 0.5, 5.0), (0.0, 0.0, 0.0), "x"), box(side, (0.0, 0.5, 0.0), "y")
+    found = local_mechanism(standing(*wall), part="x,y", direction=direction)
+    assert list(found.remarks) == told
+
+
 def test_what_is_behind_an_oblique_line_is_so_along_the_earthquake() -> None:
     """The line x = 0.4 + (y - 1)/2 about a wall whose middle is at x = 0.2, y = 1."""
     line = (-0.1, 0.0, 0.0, 0.9, 2.0, 0.0)
@@ -402,7 +419,8 @@ def test_a_tie_that_goes_slack_and_one_within_the_part_hold_nothing() -> None:
 @pytest.mark.parametrize(
     ("asked", "message"),
     [
-        ({"direction": "z"}, "is vertical"),
+        ({"direction": "z"}, "is not level"),
+        ({"direction": (-1.0, -1.0, 1.0)}, "direction: is not level; give x, y or X,Y,0"),
         ({"part": "base"}, "has no free block"),
         ({"part": "walls"}, "part"),
         ({"part": "wall-0", "line": (0, 0, 0, 1, 0, 0)}, "nothing overturns"),
