@@ -233,7 +233,12 @@ def _carried_load(model: Model, assembly: Assembly, kept: Ints) -> LoadCase:
     given = None if load.given is None else load.given.copy()
     if given is not None:
         given[: len(kept), 1:] += shift[:, :, None] * given[: len(kept), :1]
-    return replace(load, wrench=wrench, masses=masses, given=given)
+    surface = load.surface
+    if surface is not None:
+        turned = np.zeros_like(surface.wrench)
+        turned[: len(kept), 3:] = cross(shift, surface.wrench[: len(kept), :3])
+        surface = replace(surface, wrench=surface.wrench + turned)
+    return replace(load, wrench=wrench, masses=masses, given=given, surface=surface)
 
 
 def acceleration_of(model: Model) -> Floats:

@@ -321,7 +321,7 @@ class Diagnosis(Answer):
             label, kind = "forces that are missing", LayerKind.ARROWS
             needed += [Layer("missing", label, kind, "help", point, force, single=True, width=2.0,
                              group="help")]  # fmt: skip
-        shown = [layer for layer in stage.layers if layer.kind is not LayerKind.ARROWS]
+        shown = [x for x in stage.layers if x.group == "loads" or x.kind is not LayerKind.ARROWS]
         stage = replace(
             stage,
             message="; ".join(self.reasons),

@@ -47,6 +47,7 @@ class JointMotion(enum.Enum):
     """The first motion of a block relative to a neighbour."""
 
     STAYS = "stays on"
+    CRUSHES = "moves by crushing on"
     SLIDES = "slides along"
     TURNS = "turns about the normal of its joint with"
     HINGES = "hinges about an edge of"
@@ -126,6 +127,8 @@ def joint_states(
         if lengths(corners).max() > STILL * reach:
             away = sign * contacts.frame[i, 0]
             kind = _kind(corners, away, sign * contacts.frame[i].T, bool(hinge[i]), bool(slide[i]))
+            if contacts.crushes[i] and corners[:, 0].min() < -STILL * reach:
+                kind = JointMotion.CRUSHES
         mean = sign * contacts.frame[i].T @ corners.mean(axis=0)
         size = float(np.linalg.norm(mean))
         stays = kind is JointMotion.STAYS or size == 0.0
@@ -182,6 +185,7 @@ def sentence(
 
 
 _ALONE = {
+    JointMotion.CRUSHES: "crush at the joints between them",
     JointMotion.SLIDES: "slide along each other",
     JointMotion.TURNS: "turn about the normals of their joints",
     JointMotion.HINGES: "turn about the edges of their joints",

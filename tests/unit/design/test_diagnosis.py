@@ -10,9 +10,17 @@ import pytest
 
 import drystone
 from drystone import Assembly, InputError, LoadCase, Model, Verdict, check
+from drystone.answer.drawing import load_layers
 from drystone.checks import check_forces
 from drystone.cli import main
-from drystone.design import Diagnosis, DiagnosisOptions, JointMotion, diagnose
+from drystone.design import (
+    DesignMargin,
+    Diagnosis,
+    DiagnosisOptions,
+    JointMotion,
+    diagnose,
+    thicken_blocks,
+)
 from drystone.design.props import find_props, with_props
 from drystone.design.regions import regions_of, with_wrenches
 from drystone.joint_capacity import JointCapacity
@@ -297,3 +305,16 @@ def test_a_block_whose_centre_is_beyond_its_support_is_told_how_far(load: object
     where = "its centre is 150 mm beyond the edge of its joint with 'base'"
     assert (where in told) == (load is None)
     assert re.search(r" at its centre and a moment of [\d.]+ k?N m are missing", told)
+
+
+def test_what_crushes_is_said_to_crush_its_loads_are_drawn_and_thicker_it_stands() -> None:
+    ring = arch(0.25, 6)
+    load = LoadCase.gravity(ring) + LoadCase.point_load(ring, 3, (0.0, 0.0, -2e3))
+    load += LoadCase.surface_load(ring, 4, (0.0, 0.0, -1e2), facing=(0.0, 0.0, 1.0))
+    fallen = check(Model.of(ring, friction=0.7, load=load), strength=1e5)
+    found = diagnose(fallen.model, result=fallen, options=DiagnosisOptions.brief())
+    assert "move by crushing on" in found.reasons[0]
+    assert "loads" in {layer.key for layer in found.layers().stages[0].layers}
+    thick = thicken_blocks(fallen.model, ring.free.tolist(), 0.3)
+    assert DesignMargin().stands(thick, quick=True)
+    assert "moments" not in {one.key for one in load_layers(thick.assembly, thick.load)}
