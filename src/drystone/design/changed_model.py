@@ -235,9 +235,8 @@ def _carried_load(model: Model, assembly: Assembly, kept: Ints) -> LoadCase:
         given[: len(kept), 1:] += shift[:, :, None] * given[: len(kept), :1]
     surface = load.surface
     if surface is not None:
-        turned = np.zeros_like(surface.wrench)
-        turned[: len(kept), 3:] = cross(shift, surface.wrench[: len(kept), :3])
-        surface = replace(surface, wrench=surface.wrench + turned)
+        turned = filled(cross(shift, surface.wrench[: len(kept), :3]), len(assembly))
+        surface = replace(surface, wrench=surface.wrench + np.pad(turned, ((0, 0), (3, 0))))
     return replace(load, wrench=wrench, masses=masses, given=given, surface=surface)
 
 

@@ -151,7 +151,6 @@ def _region(
 ) -> Region:
     """A region, examined with its neighbours fixed."""
     late = clock.late
-    inside = marked(list(blocks), len(model))
     interfaces = interfaces_of(model, blocks)
     local, position = local_model(model, blocks)
     large = len(blocks) > LARGE_REGION
@@ -163,10 +162,9 @@ def _region(
     mine[list(blocks)] = wrench
     motion = first_motion_of(model, mine)
     forces = answer.force if answer.force is not None else answer.force_with_props
-    joints = joint_states(model, inside, interfaces, motion, forces)
+    joints = joint_states(model, marked(list(blocks), len(model)), interfaces, motion, forces)
     force, point = one_force(model, blocks, wrench)
-    between = np.flatnonzero(interfaces)
-    pulls = pulls_of(alone.contacts, alone.tension, between)
+    pulls = pulls_of(alone.contacts, alone.tension, np.flatnonzero(interfaces))
     needs = Needs(frozen(wrench), frozen(force), frozen(point), pulls)
     if options.needs and (options.large or not large) and not alone.stable and not late():
         with contextlib.suppress(Stopped):
@@ -318,9 +316,8 @@ class Diagnosis(Answer):
         needed = self._posts()
         point, force = self.missing
         if len(point):
-            label, kind = "forces that are missing", LayerKind.ARROWS
-            needed += [Layer("missing", label, kind, "help", point, force, single=True, width=2.0,
-                             group="help")]  # fmt: skip
+            needed += [Layer("missing", "forces that are missing", LayerKind.ARROWS, "help", point,
+                             force, single=True, width=2.0, group="help")]  # fmt: skip
         shown = [x for x in stage.layers if x.group == "loads" or x.kind is not LayerKind.ARROWS]
         stage = replace(
             stage,

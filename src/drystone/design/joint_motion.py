@@ -111,11 +111,10 @@ def joint_states(
     speed = block_speed(model.assembly, motion)
     given = np.zeros((contacts.corner_count, 3)) if force is None else force
     resultants = resultants_of(contacts, given)
-    weight = np.linalg.norm(model.load.wrench[:, :3], axis=1)
     seen_from_a = needy[contacts.block_a] | ~needy[contacts.block_b]
     block = np.where(seen_from_a, contacts.block_a, contacts.block_b)
     neighbour = np.where(seen_from_a, contacts.block_b, contacts.block_a)
-    idle = resultants.normal <= max(ROUNDING, 1e-6) * weight[block]
+    idle = resultants.normal <= max(ROUNDING, 1e-6) * lengths(model.load.wrench[block, :3])
     use = np.where(idle, 0.0, utilisation_of(contacts, resultants))
     hinge, slide, _ = moving_joints(model, motion)
     states = []
@@ -134,11 +133,10 @@ def joint_states(
         stays = kind is JointMotion.STAYS or size == 0.0
         direction = frozen(np.zeros(3) if stays else mean / size)
         edge = _edge(contacts, i, corners) if kind is JointMotion.HINGES else None
-        state = JointState(
+        states.append(JointState(
             i, int(block[i]), int(neighbour[i]), kind, direction, edge,
             float(resultants.normal[i]), float(use[i]), bool(idle[i]), bool(use[i] >= 1.0 - _FULL),
-        )  # fmt: skip
-        states.append(state)
+        ))  # fmt: skip
     return tuple(states)
 
 
@@ -167,8 +165,7 @@ def _kind(moved: Floats, away: Floats, frame: Floats, hinge: bool, slide: bool) 
 def _edge(contacts: Contacts, interface: int, moved: Floats) -> Floats:
     """The two corners that open least."""
     order = np.argsort(moved[:, 0], kind="stable")[:2]
-    corners: Floats = contacts.polygon(interface)[np.sort(order)]
-    return frozen(np.array(corners))
+    return frozen(np.array(contacts.polygon(interface)[np.sort(order)]))
 
 
 def sentence(
@@ -243,10 +240,9 @@ def _cause(
     model: Model, blocks: tuple[int, ...], joints: Sequence[JointState], hinge: Bools
 ) -> str:
     """The joints that carry nothing, else those that slide or are hinges."""
-    them = "it" if len(blocks) == 1 else "them"
     idle = [j for j in joints if j.idle]
     if len(idle) == len(joints):
-        return f"nothing presses on {them}"
+        return f"nothing presses on {'it' if len(blocks) == 1 else 'them'}"
     said = [
         _joints_with(model, blocks, [j for j in joints if j.idle], "carries nothing"),
         _joints_with(model, blocks, [j for j in joints if j.spent], "has no friction left"),

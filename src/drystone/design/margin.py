@@ -305,8 +305,7 @@ class DesignMargin(Options):
 
     def options(self, settle: bool = False) -> CheckOptions:
         """Of the check of each case; with ``settle`` blocks are followed in any case."""
-        samples = SAMPLES if self.robust else 0
-        return CheckOptions(samples=samples, settle=settle or not self.robust)
+        return CheckOptions(samples=SAMPLES if self.robust else 0, settle=settle or not self.robust)
 
     def meets(self, result: Result) -> bool:
         """Whether a result is good enough."""

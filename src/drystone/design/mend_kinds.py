@@ -329,9 +329,8 @@ def _apart(bench: Bench, motion: Floats, ties: tuple[_Ends, ...] = ()) -> list[t
 def _off(bench: Bench, ends: _Ends) -> float:
     """How far the middle of two blocks is from that of the region."""
     centroid = bench.local.assembly.centroid
-    return float(
-        np.linalg.norm(centroid[list(ends)].mean(axis=0) - centroid[bench.own].mean(axis=0))
-    )
+    way = centroid[list(ends)].mean(axis=0) - centroid[bench.own].mean(axis=0)
+    return float(np.linalg.norm(way))
 
 
 def _kept(kind: str, what: str, names: str) -> Tried:
@@ -458,8 +457,7 @@ def _joints(asked: KnownNeeds, kind: str) -> Proposals:
 
 def _thicker(asked: KnownNeeds) -> Proposals:
     """Thicker blocks of the region; where that does not hold the whole, all blocks."""
-    bench = asked.bench
-    own = bench.own
+    bench, own = asked.bench, asked.bench.own
     stay = bench.kept(own)
     if stay:
         yield _kept("thicker", "its blocks get thicker together, and some", stay)

@@ -163,8 +163,8 @@ class Loads:
 def weighed_anew(case: LoadCase, before: Assembly, after: Assembly) -> LoadCase:
     """A load case of blocks that have other masses now: other loads stay as they are."""
     along = common_acceleration(before, case)
-    less, more = (wrench_of_masses(one, along) for one in (before, after))
-    return replace(case, wrench=case.wrench - less + more)
+    more = wrench_of_masses(after, along) - wrench_of_masses(before, along)
+    return replace(case, wrench=case.wrench + more)
 
 
 def added(given: Any, assembly: Assembly, gravity: Any = None, shaken: bool = False) -> LoadCase:

@@ -268,9 +268,7 @@ def _model_of(
         model = with_ties(model, contents.ties)
     model = _cracked(_isolated(model, how), how)
     notes += model.notes
-    cases = contents.loads
-    if density is not None:
-        cases = tuple(weighed_anew(one, assembly, model.assembly) for one in cases)
+    cases = tuple(weighed_anew(one, assembly, model.assembly) for one in contents.loads)
     total, said = loads.on(model.assembly, cases)
     return _with_joints(
         replace(model, load=total, notes=(*notes, *said), cases=cases),
