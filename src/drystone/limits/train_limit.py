@@ -139,7 +139,7 @@ class TrainEnvelope(Answer):
         train = one.at.train
         x = one.at.place - 0.5 * train.length + np.array(train.places)
         low, high = tops.road.ends
-        depth = tops.road.depth(x)
+        depth = tops.depth(x, train.across)
         effective, wide = tops.effective(x, train.contact, train.across)
         columns = {
             "axle": np.arange(1, len(x) + 1),
@@ -291,21 +291,40 @@ class TrainEnvelope(Answer):
         if len(self.line):
             line = f", and {100.0 * self._line_borne:.3g} % of the line load"
         wide = f"the answer is for all of the model, {tops.bridge.road.breadth:.3g} m wide"
+        beside = self._beside(effective)
         if (np.abs(shares - 1.0) <= SAME).all():
-            return Sentence(f"{wide}: it bears the whole of each axle{line}", Role.REMARK)
+            return Sentence(f"{wide}: it bears the whole of each axle{line}{beside}", Role.REMARK)
         told = f"{_range(100.0 * shares)} % of an axle at the worst place{line}"
         by = f"by its width over the effective one of {_range(effective)} m, to which axles spread"
+        skew = " along the skew" if tops.road.skew else ""
         how = (
-            "as if trains stood side by side: one counts on no more than its effective width, and "
-            "lighter ones beside it, as on lanes 2 and 3, are not added where they overlap it; for "
-            "one lane only give the fill 'between', or a train without 'across' and 'lane'"
+            f"as if trains stood side by side{skew}: one counts on no more than its effective "
+            "width, and lighter ones beside it, as on lanes 2 and 3, are not added where they "
+            "overlap it; for one lane only give the fill 'between', or a train without 'across' "
+            "and 'lane'"
         )
         if shares.min() < 1.0:
             how = (
                 "as a strip of a wider bridge: if this is the whole width, nothing spreads beyond "
                 "it, and a train of your own is to have no 'across' and 'lane'"
             )
-        return Sentence(f"{wide}: it bears, {by}, {told}, {how}", Role.REMARK)
+        return Sentence(f"{wide}: it bears, {by}, {told}, {how}{beside}", Role.REMARK)
+
+    def _beside(self, effective: Floats) -> str:
+        """What lighter lanes add where axles count on their width too, and what a kerb takes."""
+        train, told = self.train, ""
+        if self._crossing.tops.whole and 0.0 < train.lane < effective.max(initial=0.0):
+            told = (
+                "; where lanes 2 and 3 are on this width as well, those of EN 1991-2 add 67 and "
+                "33 % of the axles and 28 % each of the line load of lane 1: give a train with "
+                "the sum, without 'across' and 'lane'"
+            )
+        if train.across:
+            told += (
+                "; at a kerb an axle spreads to one side only: give 'across' less by what does "
+                "not spread there, 'spread' times the depth"
+            )
+        return told
 
     @property
     def _of_place(self) -> Sentence:

@@ -152,6 +152,10 @@ def _area(at: Spots, axes: Floats) -> Floats:
     return np.asarray(np.column_stack([-at.slope, np.ones(len(at.slope))]) @ axes)
 
 
+_LANES = 16
+"""Of trains side by side on a skew bridge, staggered: 8 carry 1 % more at 20 degrees and 10 m."""
+
+
 @dataclass(frozen=True, eq=False)
 class Tops:
     """Tops of blocks under fill.
@@ -279,11 +283,29 @@ class Tops:
         """Whether fill is held or ends at its sides; else it may be a strip of a wider bridge."""
         return self.fill.between is not None or self.road.held > 0.0
 
-    def _reach(self, x: Floats, contact: Floats | float) -> Floats:
+    def _lanes(self, across: float) -> Sequence[tuple[Roadway, float]]:
+        """Parts of a skew road wider than an axle counts on, and how far on they are; else all."""
+        if across == 0.0 or self.road.skew == 0.0:
+            return [(self.road, 0.0)]
+        if across not in self._parted:
+            least = across + 2.0 * self.fill.spread * self.fill.cover
+            wide = self.road.breadth > (1.0 + SAME) * least
+            self._parted[across] = self.road.lanes(_LANES if wide else 1)
+        return self._parted[across]
+
+    @cached_property
+    def _parted(self) -> dict[float, Sequence[tuple[Roadway, float]]]:
+        return {}
+
+    def depth(self, x: Floats, across: float) -> Floats:
+        """(p,) [m], below forces on the road, the mean of those side by side."""
+        each = [road.depth(x + on) for road, on in self._lanes(across)]
+        return np.asarray(sum(each[1:], each[0]) / len(each))
+
+    def _reach(self, x: Floats, contact: Floats | float, across: float) -> Floats:
         """(p,) [m], to each side along the road, to which forces spread."""
-        return np.maximum(
-            0.5 * contact + self.fill.spread * self.road.depth(x), 1e-6 * self.road.breadth
-        )
+        deep = self.depth(x, across)
+        return np.maximum(0.5 * contact + self.fill.spread * deep, 1e-6 * self.road.breadth)
 
     def effective(self, x: Floats, contact: Floats | float, across: float) -> tuple[Floats, Floats]:
         """Widths (p,) [m] on which forces on the road count, and those of the bridge there.
@@ -292,11 +314,13 @@ class Tops:
         beside it helps, as in CS 454, where a wheel has a strip of 1.5 m and the depth of fill.
         It is not more than that of a bridge, if that is ``whole``.
         """
-        reach = self._reach(x, contact)
-        wide = self.bridge.road.wide(x - reach, x + reach)
+        reach, whole = self._reach(x, contact, across), self.bridge.road
+        wide = whole.wide(x - reach, x + reach)
+        if len(self._lanes(across)) > 1:
+            wide = np.full(len(x), whole.breadth)
         if across == 0.0:
             return wide, wide
-        spread = across + 2.0 * self.fill.spread * self.road.depth(x)
+        spread = across + 2.0 * self.fill.spread * self.depth(x, across)
         return np.minimum(spread, wide) if self.whole else spread, wide
 
     def borne(self, x: Floats, contact: Floats | float, across: float) -> Floats:
@@ -322,36 +346,44 @@ class Tops:
         across : [m]
             Width on which it acts; the whole one where it is zero. Else it is ``borne``, evenly.
         """
-        depth, contact = self.road.depth(x), np.broadcast_to(contact, len(x))
-        reach = self._reach(x, contact)
         force = force * self.borne(x, contact, across)
-        even = 0.5 * force / (reach * self.road.wide(x - reach, x + reach))
-        part, one = self.road.carriageway.within(x - reach, x + reach)
+        reach, contact = self._reach(x, contact, across), np.broadcast_to(contact, len(x))
+        lanes = self._lanes(across)
+        each = [self._on(road, force / len(lanes), x + on, contact, reach) for road, on in lanes]
+        return sum(each[1:], each[0])
+
+    def _on(
+        self, road: Roadway, force: Floats, x: Floats, contact: Floats, reach: Floats
+    ) -> Floats:
+        depth = road.depth(x)
+        even = 0.5 * force / (reach * road.wide(x - reach, x + reach))
+        part, one = road.carriageway.within(x - reach, x + reach)
         found = even[:, None, None] * part.wrenches_of(
-            one, len(x), self.road.assembly, lambda at: np.tile(DOWN, (len(at.point), 1))
+            one, len(x), road.assembly, lambda at: np.tile(DOWN, (len(at.point), 1))
         )
         if self.fill.law == "boussinesq":
             for i in np.flatnonzero(depth > 0.0):
                 places = x[i] + np.linspace(-8.0, 8.0, 129) * max(depth[i], 0.5 * contact[i])
-                part = self.road.carriageway.within(places[:1], places[-1:])[0].cut_at(places)
-                law = self._elastic(force[i], places, contact[i], depth[i])
-                found[i] = part.wrenches(self.road.assembly, law)
-        return found
+                part = road.carriageway.within(places[:1], places[-1:])[0].cut_at(places)
+                law = _elastic(road, force[i], places, contact[i], depth[i])
+                found[i] = part.wrenches(road.assembly, law)
+        return np.asarray(found)
 
-    def _elastic(self, force: float, places: Floats, contact: float, depth: float) -> Traction:
-        """Vertical pressure below an even strip load on an elastic half space, over the width.
 
-        Source: Boussinesq 1885, as integrated over a strip by Terzaghi 1943, section 136.
-        """
-        half = max(0.5 * contact, 1e-6 * depth)
-        wide = self.road.wide(places[:-1], places[1:])
+def _elastic(road: Roadway, force: float, places: Floats, contact: float, depth: float) -> Traction:
+    """Vertical pressure below an even strip load on an elastic half space, over the width.
 
-        def traction(at: Spots) -> Floats:
-            along = at.point @ self.road.strips.axes[0]
-            away = along - 0.5 * (places[0] + places[-1])
-            near, far = np.arctan((away - half) / depth), np.arctan((away + half) / depth)
-            share = (far - near + 0.5 * (np.sin(2.0 * far) - np.sin(2.0 * near))) / np.pi
-            line = force / wide[np.searchsorted(places[1:-1], along)]
-            return np.column_stack([np.zeros((len(share), 2)), -share * line / (2.0 * half)])
+    Source: Boussinesq 1885, as integrated over a strip by Terzaghi 1943, section 136.
+    """
+    half = max(0.5 * contact, 1e-6 * depth)
+    wide = road.wide(places[:-1], places[1:])
 
-        return traction
+    def traction(at: Spots) -> Floats:
+        along = at.point @ road.strips.axes[0]
+        away = along - 0.5 * (places[0] + places[-1])
+        near, far = np.arctan((away - half) / depth), np.arctan((away + half) / depth)
+        share = (far - near + 0.5 * (np.sin(2.0 * far) - np.sin(2.0 * near))) / np.pi
+        line = force / wide[np.searchsorted(places[1:-1], along)]
+        return np.column_stack([np.zeros((len(share), 2)), -share * line / (2.0 * half)])
+
+    return traction

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 from typing import Self
 
 import numpy as np
@@ -247,6 +248,25 @@ class Roadway:
     def breadth(self) -> float:
         """[m], across the road, of the free blocks."""
         return float(np.ptp(self.sides))
+
+    @cached_property
+    def skew(self) -> float:
+        """How far the middle between the ends moves along the road by length across; else zero."""
+        low, high = self.sides
+        halves = [self._free.across(*half).t for half in ((low, self.sides.mean()),
+                  (self.sides.mean(), high))]  # fmt: skip
+        left, right = (0.5 * (t.min() + t.max()) for t in halves)
+        skew = float(right - left) / (0.5 * self.breadth)
+        return skew if abs(skew) > _UPRIGHT else 0.0
+
+    def lanes(self, count: int) -> Sequence[tuple[Self, float]]:
+        """Parts side by side, as wide as each other, and how far [m] on along it each lies."""
+        if count == 1:
+            return [(self, 0.0)]
+        cuts = np.linspace(self.sides[0], self.sides[1], count + 1)
+        middle = 0.5 * (cuts[1:] + cuts[:-1])
+        parts = [replace(self, strips=self.strips.across(*one)) for one in pairwise(cuts.tolist())]
+        return [*zip(parts, (self.skew * (middle - middle.mean())).tolist(), strict=True)]
 
     def wide(self, low: Floats, high: Floats) -> Floats:
         """Mean width (p,) [m] of the tops between two places along the road."""

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 import pytest
 
-from drystone import Assembly, InputError, JointCapacity, LoadCase, Model, check, read
+from drystone import Assembly, Block, InputError, JointCapacity, LoadCase, Model, check, read
 from drystone.answer import Role
 from drystone.cli import main
 from drystone.formulations.equilibrium import LoadFactors
@@ -230,6 +230,19 @@ def test_an_axle_counts_on_its_effective_width_however_wide_the_bridge_is(
     assert ten[:, 4] == pytest.approx(10.0 * one[:, 4])
 
 
+@pytest.mark.parametrize("law", ["even", "boussinesq"])
+def test_axles_side_by_side_follow_the_skew(law: Literal["even", "boussinesq"]) -> None:
+    """All at one x across, LM1 on 10 m at 35 degrees had the factor 6.27; a strip has 1.53."""
+    ring, shear = segmental_bridge(8.0, 2.0, 0.5, 13, width=10.0), np.eye(3)
+    shear[0, 1] = np.tan(np.radians(35.0))
+    skew = Assembly([Block(b.vertices @ shear.T, b.faces, b.name) for b in ring.blocks], ring.fixed)
+    square, skewed = (Tops.of(one, Fill(0.4, 19e3, law=law)) for one in (ring, skew))
+    assert skewed.road.skew == pytest.approx(shear[0, 1])
+    each = (square, np.array([2.0])), (skewed, np.array([2.0 + 5.0 * shear[0, 1]]))
+    one, other = (t.spread(1e3, x, 0.4, 2.4)[0, :, 2] for t, x in each)
+    assert other == pytest.approx(one, abs=0.06 * np.abs(one).max())
+
+
 def test_nothing_spreads_beyond_the_parapets_of_a_bridge() -> None:
     """3 m between faces: an axle of 2.4 m counts on 2.8 m at the crown, and on all 3 m below."""
     ring = segmental_bridge(8.0, 2.0, 0.5, 13, width=3.0)
@@ -312,6 +325,11 @@ def test_the_answer_names_the_fill_the_axles_and_what_the_standard_adds(bridge: 
     assert " of the line load, as a strip of a wider bridge: if this is the whole" in width.text
     assert "x of the middle of the train; the bridge lies from -0.36 to 6.36 m" in told
     assert "a wheel alone may be worse" in told
+    assert "at a kerb an axle spreads to one side only: give 'across' less" in width.text
+    lane = replace(AXLE, across=0.5, line=1e3, lane=0.5)
+    held = replace(FILL, between=(0.0, 1.0))
+    deep = limit_train(bridge, train=lane, fill=held, steps=1, options=quick)
+    assert "add 67 and 33 % of the axles and 28 % each" in "; ".join(one.text for one in deep.sentences())
     borne = found.axles()["borne"]
     wide = 2.6 + 2.0 * 0.5 * found.axles()["fill_below"]
     assert borne == pytest.approx(1.0 / wide)
