@@ -329,7 +329,8 @@ def test_the_answer_names_the_fill_the_axles_and_what_the_standard_adds(bridge: 
     lane = replace(AXLE, across=0.5, line=1e3, lane=0.5)
     held = replace(FILL, between=(0.0, 1.0))
     deep = limit_train(bridge, train=lane, fill=held, steps=1, options=quick)
-    assert "add 67 and 33 % of the axles and 28 % each" in "; ".join(one.text for one in deep.sentences())
+    words = "; ".join(one.text for one in deep.sentences())
+    assert "add 67 and 33 % of the axles and 28 % each" in words
     borne = found.axles()["borne"]
     wide = 2.6 + 2.0 * 0.5 * found.axles()["fill_below"]
     assert borne == pytest.approx(1.0 / wide)
