@@ -174,13 +174,13 @@ def test_a_limit_tells_the_bracket_so_far(tmp_path: Path) -> None:
         "asked, one = [], inside.one_stiffness\n"
         "def slow(*model, stop, **more):\n"
         "    asked.append(1)\n"
-        "    if len(asked) == 4:\n"
-        "        tell('fourth'); wait(stop)\n"
+        "    if len(asked) == 3:\n"
+        "        tell('third'); wait(stop)\n"
         "    return one(*model, stop=stop, **more)\n"
         "inside.one_stiffness = slow"
     )
     run = Child(code, "limit", "tilt", str(model), "--scan", "8", "--json")
-    exit_code, out, err = run.ended("fourth")
+    exit_code, out, err = run.ended("third")
     told = json.loads(out)
     assert (exit_code, err, told["stopped"]) == (130, "", "it was interrupted")
     assert len(told["evaluations"]) == 3

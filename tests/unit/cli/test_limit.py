@@ -95,8 +95,10 @@ def test_a_load_grows_until_the_block_topples(model: str, capsys: Capsys) -> Non
     assert told["notes"] == ["the point 0.5, 0.5, 2.2 is 0.2 m off block 'block-1'"]
     assert "next" not in told
     code, told = answer(capsys, "limit", "load", model, "seismic:1,0", "--scan", "1")
+    assert (code, "next" in told) == (0, False)  # 1 g is a unit
+    code, told = answer(capsys, "limit", "load", model, "seismic:2,0", "--scan", "1")
     assert code == 0
-    assert told["next"] == f"drystone mend {model} --seismic 1,0"
+    assert told["next"] == f"drystone mend {model} --seismic 2,0"
 
 
 def test_a_load_case_of_the_file_can_grow(tmp_path: Path, capsys: Capsys) -> None:
