@@ -62,7 +62,7 @@ def test_reports_and_instructions_show_names_as_text(
     tab = opened(lambda path: save(subject, path), size=(1000, 700))
     unharmed(tab)
     columns = "[...document.querySelectorAll('tbody tr')].map((row) => row.offsetHeight)"
-    assert max(tab.run(columns), default=0) < 150
+    assert max(tab.run(columns), default=0) < 120
     edges = "[...document.querySelectorAll('td')].map((one) => one.getBoundingClientRect().right)"
     assert max(tab.run(edges), default=0) <= 1000
 

@@ -39,7 +39,7 @@ def parse(data: bytes, path: Path, whole: str = "export it again") -> Field:
     try:
         value = json.loads(text, object_pairs_hook=_object)
     except json.JSONDecodeError as error:
-        end = error.pos >= len(text.rstrip())
+        end = error.pos >= len(text.rstrip()) or error.msg.startswith("Unterminated string")
         what = "the JSON ends too early" if end else f"is not JSON: {error.msg.lower()}"
         raise FormatError(
             what,

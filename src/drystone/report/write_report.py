@@ -170,7 +170,7 @@ img { width: 100%; height: auto; } figcaption, caption { font-size: .85em; text-
   color: #45423d; }
 .scroll { overflow-x: auto; } table { border-collapse: collapse; width: 100%; font-size: .85em;
   margin: .5rem 0; font-variant-numeric: tabular-nums; }
-th, td { text-align: left; vertical-align: top; padding: .15rem .5rem;
+th, td { text-align: left; vertical-align: top; padding: .15rem .35rem;
   border-bottom: 1px solid #b9b5ab; overflow-wrap: anywhere; }
 thead th { overflow-wrap: normal; } @media print { thead th { overflow-wrap: anywhere; } }
 tr, figure { break-inside: avoid; } figure { margin: .5rem 0; }

@@ -290,6 +290,7 @@ def test_what_is_wrong_with_contacts_loads_and_results_is_named(
     ("text", "words"),
     [
         ('{"blocks": [', ["ends too early", "line 1"]),
+        ('{"blocks": [{"name": "vouss', ["ends too early", "export it again"]),
         ('{"blocks": [}', ["is not JSON", "line 1, column 13"]),
         ("[]", ["holds no block"]),
         ("[" * 100_000, ["nested too deeply"]),
