@@ -85,3 +85,5 @@ def test_without_docstrings_no_option_is_taken_unchecked() -> None:
     code = "import drystone, drystone.limits as l; l.LimitOptions(width=-1.0)"
     ran = subprocess.run([sys.executable, "-OO", "-c", code], capture_output=True, text=True)
     assert "python -OO takes the docstrings away, by which options are checked" in ran.stderr
+    ran = subprocess.run([sys.executable, "-O", "-c", code], capture_output=True, text=True)
+    assert "width is -1" in ran.stderr

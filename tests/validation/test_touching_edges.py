@@ -366,7 +366,7 @@ def test_a_reciprocal_frame_stands_with_more_friction_than_the_least(
 ) -> None:
     """Where following begins with a fall, beams that hardly roll slip off each other instead."""
     frame = reciprocal_frame(beams, opening)
-    scan = [*least * np.array([0.8, 0.98]), *np.arange(1.01 * least, 1.5, 0.3)]
+    scan = [*least * np.array([0.8, 0.98]), *np.arange(1.01 * least, 1.5, 0.1)]
     for friction in map(float, scan):
         model = Model.of(frame, friction=friction)
         assert check(model).verdict is (Verdict.STABLE if friction > least else Verdict.UNSTABLE)

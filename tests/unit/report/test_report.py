@@ -66,7 +66,7 @@ def test_a_report_has_input_loads_method_verdict_proof_and_hand_checks(
     asked = answers[0].asked
     for expected in (
         "&lt;Old&gt; bridge", "N. N.", asked.sha256, asked.version, "bridge.json", "voussoir-02",
-        "0, 0, -300 N", "friction 0.7", "2400", "up to load factor 0.", "reactions",
+        "0, 0, -300 N", "friction 0.7", "2400", "Stands up to load factor 0.", "reactions",
         "seismic 1, 0 g", "it is 440 m across", "Checked by", "signature",
         "Proof, computed again", "thrust at the crown", "positive in compression", "kern",
     ):  # fmt: skip
