@@ -184,8 +184,9 @@ class Limit(LimitValues, Answer):
     def _below_given(self) -> bool:
         """Whether a load, that is no unit, is not carried as it was given."""
         falls, varied = self.best.falls, self.quantity
-        loaded = varied.name == "load factor" and not varied.unit and falls is not None
-        return loaded and self.quantity.acting + float(falls or 0.0) <= 1.0
+        if falls is None or varied.name != "load factor" or varied.unit:
+            return False
+        return varied.acting + falls <= 1.0
 
     @property
     def code(self) -> int:

@@ -524,7 +524,7 @@ def limit_train(
             remedy="take a shorter one, or the axles of it that fit",
         )
     if added:
-        model = model.with_load(model.load + tops.fill.on(model.assembly))
+        model = model.with_load(model.load + tops.load)
     model.load.refuse_turned_fill()
     chosen = LimitOptions.of(options)
     crossing = Crossing(Problem.build(model), tops, carried, chosen)

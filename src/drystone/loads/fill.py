@@ -138,13 +138,7 @@ class Fill(Options):
 
     def on(self, assembly: Assembly) -> LoadCase:
         """Its weight, and its pressure by ``k``, on the free blocks."""
-        top = Tops.of(assembly, self)
-        fields = (strips.surface(assembly, law) for strips, law in top.pressures(1.0, self.k))
-        surface = SurfaceLoad.of_all([one for one in fields if len(one.block)])
-        return LoadCase(
-            top.pressed(1.0, self.k), self.words, (*self.notes, *top.notes),
-            surface=surface, fills=(self,), masses=(top.mass,),
-        )  # fmt: skip
+        return Tops.of(assembly, self).load
 
 
 def _area(at: Spots, axes: Floats) -> Floats:
@@ -220,6 +214,20 @@ class Tops:
         return wrench * (size > SAME * size.max(initial=0.0))[:, None]
 
     @property
+    def load(self) -> LoadCase:
+        """The weight of the fill, and its pressure by ``k``, on the free blocks."""
+        fill, assembly = self.fill, self.road.assembly
+        fields = (strips.surface(assembly, law) for strips, law in self.pressures(1.0, fill.k))
+        return LoadCase(
+            self.pressed(1.0, fill.k),
+            fill.words,
+            (*fill.notes, *self.notes),
+            surface=SurfaceLoad.of_all([one for one in fields if len(one.block)]),
+            fills=(fill,),
+            masses=(self.mass,),
+        )
+
+    @property
     def mass(self) -> CarriedMass:
         """Of the fill: its columns lie on the blocks under them, each at its own place."""
         down = self.pressed(1.0, 0.0)
@@ -275,8 +283,7 @@ class Tops:
         if self.fill.between is None:
             return self
         fill, road = replace(self.fill, between=None), self.road
-        axes = road.strips.axes
-        return Tops(fill, Roadway.along(road.assembly, fill.cover, fill.grade, None, axes))
+        return Tops(fill, Roadway.along(road.assembly, fill.cover, fill.grade, None, road.above))
 
     @cached_property
     def whole(self) -> bool:
@@ -299,8 +306,7 @@ class Tops:
 
     def depth(self, x: Floats, across: float) -> Floats:
         """(p,) [m], below forces on the road, the mean of those side by side."""
-        each = [road.depth(x + on) for road, on in self._lanes(across)]
-        return np.asarray(sum(each[1:], each[0]) / len(each))
+        return np.asarray(np.mean([road.depth(x + on) for road, on in self._lanes(across)], axis=0))
 
     def _reach(self, x: Floats, contact: Floats | float, across: float) -> Floats:
         """(p,) [m], to each side along the road, to which forces spread."""

@@ -127,10 +127,10 @@ class Roadway:
         InputError
             No free block has a top there, or one is above the road.
         """
-        ways = _road_axes(assembly)
+        ways = [SeenStrips.of(assembly, axes) for axes in _road_axes(assembly)]
         if len(ways) > 1:
             wide = between and (-FARTHEST, FARTHEST)
-            held = np.array([cls.along(assembly, cover, grade, wide, axes).held for axes in ways])
+            held = np.array([cls.along(assembly, cover, grade, wide, one).held for one in ways])
             ways = [ways[int((held >= (1.0 - SAME) * held.max()).argmax())]]
         made = cls.along(assembly, cover, grade, between, ways[0])
         free = made.strips.chosen(~assembly.fixed[made.strips.block])
@@ -152,12 +152,10 @@ class Roadway:
         cover: float,
         grade: float,
         between: tuple[float, float] | None,
-        axes: Floats,
+        above: SeenStrips,
     ) -> Self:
-        """The same of a road along ``axes[0]``, if blocks are above it or not."""
-        strips = above = SeenStrips.of(assembly, axes)
-        if between is not None:
-            strips = strips.across(*between)
+        """The same of a road along ``above.axes[0]``, if blocks are above it or not."""
+        strips = above if between is None else above.across(*between)
         strips = strips.chosen(~_plumb(strips))  # those are seen from beside
         free = ~assembly.fixed[strips.block]
         if not free.any():

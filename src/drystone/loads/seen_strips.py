@@ -319,14 +319,13 @@ class SeenStrips(OneLine):
 
         Those middles are across t where s is up, since pressure grows downwards.
         """
-        mine = self.chosen(~assembly.fixed[self.block])._joined()
+        free = self.chosen(~assembly.fixed[self.block])
+        mine = free._joined()
         steep = np.repeat(mine.slope, 2, axis=0)
         inside = np.eye(2) + 1e-6 * np.array([[-1.0, 1.0], [1.0, -1.0]])  # where levels end
         ends = np.stack([mine.t, mine.s, mine.r], axis=2)
         if self.axes[1, 2] > SAME:
-            up = np.column_stack(
-                [0.0 * mine.slope[:, 0], 1.0 + 0.0 * mine.r[:, 0], mine.slope[:, 1]]
-            )
+            up = np.insert(mine.slope, 1, 1.0, axis=1) * np.array([0.0, 1.0, 1.0])
             half = 0.5 * mine.width.mean(axis=1)[:, None, None] * up[:, None]
             ends = ends.mean(axis=1, keepdims=True) + half * np.array([[[-1.0], [1.0]]])
         point = ends @ self.axes
@@ -334,7 +333,7 @@ class SeenStrips(OneLine):
         by_area = (mine.normal @ self.axes[2])[:, None, None]
         pressed = by_area * (traction(spots) @ self.axes).reshape(-1, 2, 3)
         some = pressed.any(axis=(1, 2))
-        wrench = self.chosen(~assembly.fixed[self.block]).wrenches(assembly, traction)
+        wrench = free.wrenches(assembly, traction)
         return SurfaceLoad(mine.block[some], point[some], pressed[some], wrench)
 
     def wrenches(self, assembly: Assembly, traction: Traction) -> Floats:

@@ -165,10 +165,8 @@ class Train(Options):
         """Wrenches (p, n, 6) of its axles on a bridge, its middle at places (p,) [m] along it."""
         first = middle - 0.5 * self.length
         each = zip(self.places, self.loads, strict=True)
-        wrenches: Sequence[Floats] = [
-            tops.spread(load, first + place, self.contact, self.across) for place, load in each
-        ]
-        return sum(wrenches[1:], wrenches[0])
+        apart = (tops.spread(load, first + x, self.contact, self.across) for x, load in each)
+        return np.asarray(sum(apart))
 
     def pieces(self, tops: Tops, middle: float) -> tuple[Floats, Floats]:
         """Pieces of the road that the line load may act on, its middle at a place [m] along it.
