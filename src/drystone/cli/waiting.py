@@ -35,8 +35,8 @@ class Waiting:
     """Shows stages and their progress inside its context.
 
     Where stderr is no terminal it has a line, once the work takes long, and one for each later
-    stage that does. So it has everywhere before the context: imports take seconds on a busy
-    machine.
+    stage that does; one that goes on is told again, with how far it is and its seconds. So it has
+    everywhere before the context: imports take seconds on a busy machine.
 
     An instance is the progress callback of the library: ``(stage, done, total)``.
 
@@ -216,6 +216,10 @@ class Waiting:
             self._due = self._begun is None  # the stage is told once it begins
             stage, done, total = self._state
             told = f"{stage}, {done} of {total}" if done < total else self._doing or "starting"
+            if self._begun is not None:
+                since = time.perf_counter() - self._begun[1]
+                told += f", after {since:.0f} s" if since > 2.0 else ""
+                self._begin(max(10.0 * PATIENCE, since), self._tell)  # twice as long each time
             with suppress(OSError, ValueError):  # closed or full: nobody reads it
                 print(f"drystone: {told} ...", file=sys.stderr, flush=True)
 

@@ -216,7 +216,7 @@ class ShapeSearch(ShapeValues):
             ends = int((np.abs(x) > _AT_END * self.moves.most).sum())
             if ends:
                 words += f", with {counted(ends, 'move')} of {len(x)} as large as allowed: "
-                words += "larger ones may help"
+                words += f"larger ones may help: --most above {self.moves.most.max():.3g}"
         return self.shaped(x, model, result, (values[0], values[1]), rounds, words)
 
     def shaped(

@@ -55,6 +55,7 @@ def mends_of_kind(
     def at(part: DesignMargin) -> Bench:
         return Bench(model, region.blocks, motion, part, keep, clock.late)
 
+    clock.tell(f"a mend is sought: {kind}", 0, 1)
     bench = at(margin)
     made = _of_kind(bench, region, held, clock, kind)
     if made or bench.large or not bench.near or margin == margin.eased(1.0):

@@ -217,7 +217,8 @@ def force_layers(result: Solution, shown: Bools | None = None) -> tuple[Layer, .
     hinges, turns = _heaviest(turning, resultants.normal)
     spent, slides = _heaviest((used > HINGED) & carrying, resultants.normal)
     layers += marks(
-        resultants.position, ("edges", f"force at the edge of a joint{turns}", hinges),
+        resultants.position,
+        ("edges", f"force at an edge, where it would turn first{turns}", hinges),
         ("spent", f"friction fully used{slides}", spent), first,
     )  # fmt: skip
     if shown.all():

@@ -271,6 +271,7 @@ def surface_in_file(
         faces += [tuple(int(i) + offset for i in face) for face in shape.faces]
         offset += len(points)
     if not faces:
-        raise FormatError("holds no faces", where=str(path), remedy="export the surface as a mesh")
+        remedy = "mesh the surface (in Rhino: the command Mesh) and save the mesh"
+        raise FormatError("holds no mesh", where=str(path), remedy=remedy)
     unit = units or draft.units
     return scale_of(unit or "m") * np.concatenate(vertices) @ turn, faces, unit

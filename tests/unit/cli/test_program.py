@@ -245,6 +245,21 @@ def test_a_later_stage_that_takes_long_is_told_too(monkeypatch: pytest.MonkeyPat
     assert said.getvalue().splitlines()[-2:] == ["drystone: reading ...", "drystone: solving ..."]
 
 
+def test_a_stage_that_goes_on_is_told_again_with_how_far_it_is(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    said = text_io.StringIO()
+    for name in ("stderr", "__stderr__"):
+        monkeypatch.setattr(sys, name, said)
+    monkeypatch.setattr("drystone.cli.waiting.PATIENCE", 0.01)
+    with Waiting() as waiting:
+        waiting.stage("mend", "mending")
+        wait_for(said, "mending")
+        waiting("mends of region 1", 3, 12)
+        wait_for(said, "3 of 12")
+    assert said.getvalue().splitlines()[-1] == "drystone: mends of region 1, 3 of 12 ..."
+
+
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux keeps to such a limit")
 @pytest.mark.parametrize(
     ("code", "words"),

@@ -312,7 +312,8 @@ def test_what_stands_already_is_told_and_what_falls_is_not_made_lighter() -> Non
     assert "stands already" in shape(model, moves).message
     falls = Model.of(arch(0.08, 8), friction=0.8)
     thin = thickening(falls, (0.0, 0.0, 0.0), 0.01)
-    assert "1 move of 1 as large as allowed: larger ones may help" in shape(falls, thin).message
+    said = shape(falls, thin).message
+    assert "1 move of 1 as large as allowed: larger ones may help: --most above 0.01" in said
     with pytest.raises(InputError, match="does not stand as it is"):
         shape(falls, thin, options=ShapeOptions(aim="volume"))
 

@@ -139,7 +139,7 @@ def test_of_many_hinges_those_of_the_largest_forces_are_marked() -> None:
     lower = model.contacts.point[:, 0] < 0.5  # each joint presses on one edge
     force[lower, 0] = 100.0 + model.contacts.interface[lower]
     drawn = layers(drystone.Result("rest", drystone.Verdict.STABLE, model, force=force))["edges"]
-    assert drawn.label == "force at the edge of a joint, the most loaded of 31"
+    assert drawn.label == "force at an edge, where it would turn first, the most loaded of 31"
     assert drawn.interface is not None
     assert sorted(drawn.interface.tolist()) == list(range(7, 31))
 
@@ -168,7 +168,7 @@ def test_edges_that_carry_have_one_name_and_are_no_part_of_a_picture_of_stones_a
     limit = drystone.limit_tilt(model, "y").layers()
     for scene in (drystone.check(model).layers(), limit):
         (mark,) = (one for one in scene.stages[0].layers if one.key == "edges")
-        assert mark.label == "force at the edge of a joint"
+        assert mark.label == "force at an edge, where it would turn first"
         assert is_shown(mark, "forces")
         assert not is_shown(mark, "solid")
     (turns,) = (one for one in limit.stages[1].layers if one.key == "hinges")
