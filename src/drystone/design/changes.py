@@ -251,11 +251,12 @@ def ballasted(model: Model, block: int, weight: float) -> Model:
     return model.with_load(replace(model.load, wrench=wrench, name=name))
 
 
-def props_at(chosen: Sequence[PropSeat]) -> Surgery:
-    """Props against blocks of a region."""
+def props_at(chosen: Sequence[PropSeat], *, smooth: bool) -> Surgery:
+    """Props against blocks of a region, with smooth heads or rough ones."""
 
     def make(model: Model, blocks: Ints, _: Ints) -> Model:
-        return with_props(model, [replace(one, block=int(blocks[one.block])) for one in chosen])
+        seats = [replace(one, block=int(blocks[one.block])) for one in chosen]
+        return with_props(model, seats, smooth=smooth)
 
     return make
 

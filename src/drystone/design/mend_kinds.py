@@ -187,9 +187,10 @@ def _prop(asked: KnownNeeds) -> Proposals:
         return
 
     words = partial(_prop_words, bench, seats)
-    change = Change.single("prop", props_at(seats), "", added=len(seats))
     told = partial(_by_force, bench, len(seats), words)
-    yield Tries([change], "the best props do not keep the margin", told=told)
+    for smooth, why in ((True, ""), (False, "the best props do not keep the margin")):
+        change = Change.single("prop", props_at(seats, smooth=smooth), "", added=len(seats))
+        yield Tries([change], why, last=True, told=told)
 
 
 _TOLD = 4
@@ -242,7 +243,8 @@ def _steady(bench: Bench, block: int, force: Floats, point: Floats) -> str:
 
     share = least(stands, (1.0,))
     size = quantity(rounded_up((share or 0.0) * math.hypot(*force), 2), "N")
-    return f"; a steady force of {size} there balances it" if share else ""
+    told = f", if it does not give: size it for this; the least steady force there is {size}"
+    return told if share else ""
 
 
 _Ends: TypeAlias = tuple[int, int]

@@ -21,12 +21,17 @@ from drystone.base.units import quantity
 from drystone.contacts import Contacts
 from drystone.design.changed_model import changed, fresh_name, usual_friction
 from drystone.design.margin import LARGE_REGION, SPARE, soon_at_rest
+from drystone.formulations.corner_forces import FrictionCone
+from drystone.formulations.equilibrium import PlaneFactors
 from drystone.free_faces import FreePart, free_parts
 from drystone.geometry.convex_pieces import solid_of
 from drystone.geometry.frames import frames_from_normals, rotation_about
 from drystone.geometry.glue import cut_cell
 from drystone.geometry.polygon import area_vector
 from drystone.geometry.polyhedron import prism_faces
+from drystone.limits.bounds import scaled_wrench
+from drystone.loads import LoadCase
+from drystone.mechanics.statics import build_statics
 from drystone.model import Model
 from drystone.sequence.scaffold_seats import first_met, post_ways, surface_triangles
 from drystone.supports import PROP
@@ -164,6 +169,12 @@ class PropSeat(OneLine):
     normal: Floats
     covered: bool = False
 
+    @property
+    def middle(self) -> Floats:
+        """Of the head (3,) [m]."""
+        middle: Floats = np.asarray(self.outline).mean(axis=0)
+        return middle
+
 
 @dataclass(frozen=True, eq=False)
 class PropForce(OneLine):
@@ -278,15 +289,18 @@ def find_props(
     single: Sequence[int] | None = None,
     shares: Sequence[float] = SHARES,
 ) -> PropSearch:
-    """The one prop with the smallest force that holds a model, else a few that hold it together.
+    """The one prop with the least force that holds a model, else a few that hold it together.
 
-    One that does not hold it with 20 % less friction comes last. Of a large model it is the first
-    one that holds it.
+    For each place the least force square to the face that balances the loads is found by a convex
+    program. A prop from below comes before a level one with a third of its force, and one that
+    presses down is the last; of those within a hundredth of each other the one nearest to the
+    middle of the blocks is the first. The first one that holds the model is taken, where possible
+    one that holds it with 20 % less friction. Heads have friction only where smooth ones do not
+    hold.
 
-    Places are free parts of faces, also of those that joints cover partly. A single prop is tried
-    on the faces that move forward, then on others that look along the load. Where none is enough,
-    one prop is set under each block, then one under every free part; each one that is not needed is
-    taken away.
+    Places are free parts of faces, also of those that joints cover partly. Of a large model the
+    places are not compared: it is the first prop that holds it. Where none is enough, one prop is
+    set under each block, then one under every free part; each one that is not needed is taken away.
 
     Parameters
     ----------
@@ -305,30 +319,86 @@ def find_props(
     ------
     Stopped
     """
-    tried: list[PropSeat] = []
-    for low in (False, True):
-        some = blocks if single is None else single
-        places = [one for i in some for one in seats(model, int(i), motion[i], shares, low=low)]
-        forces = []
-        for one in places:
-            forces += _forces(model, [one], stop)
-            if forces and len(blocks) > LARGE_REGION:  # each trial is slow
-                break
-        if forces:
-            forces.sort(key=lambda one: (not carries(model, one.block, one.force), one.size))
-            slippery = model.with_friction(SPARE * model.contacts.friction)
-            several = forces if len(forces) > 1 else []
-            firm = (one for one in several if _forces(slippery, [one.seat], stop))
-            return PropSearch((next(firm, forces[0]),), "")
-        tried += places
+    some, large = blocks if single is None else single, len(blocks) > LARGE_REGION
+    tried = [
+        seat
+        for low in (False, True)
+        for i in some
+        for seat in seats(model, int(i), motion[i], shares, low=low)
+    ]
+    slippery = model.with_friction(SPARE * model.contacts.friction)
+    first: list[PropForce] = []
+    best = tried if large else _ranked(model, blocks, tried, stop)
+    for seat in (*best, *(one for one in tried if one not in best)):
+        held = _forces(model, [seat], stop)
+        if held and (large or _forces(slippery, [seat], stop)):
+            return PropSearch(tuple(held), "")
+        first = first or held
+    if first:
+        return PropSearch(tuple(first), "")
     said = f"one prop at {counted(len(tried), 'place')} on free parts of faces"
     covered = sum(one.covered for one in tried)
     if covered:
         said += f", {covered} of them beside joints"
-    if len(blocks) > LARGE_REGION:
+    if large:
         return PropSearch((), said)
     said += ", one under each of its blocks, and one under every free part of their faces"
     return PropSearch(tuple(_few_props(model, blocks, motion, stop)), said)
+
+
+_RAKED = 3.0
+"""A level prop is a raking shore: at 70 degrees it carries three times the level force."""
+
+_EQUAL = 0.01
+"""Share of the least force within which props hold equally. Chosen: a hundredth."""
+
+
+def _ranked(
+    model: Model,
+    blocks: Sequence[int],
+    places: Sequence[PropSeat],
+    stop: Callable[[], bool] | None,
+) -> list[PropSeat]:
+    """Places of one prop, that with the least force first; those where none balances are left out.
+
+    Forces of props from below count once, others three times; those that press down come last.
+    """
+    assembly, least = model.assembly, least_pushes(model, stop)
+    middle = assembly.centroid[list(blocks)].mean(axis=0)
+    found: list[tuple[bool, float, float, PropSeat]] = []
+    for seat in places:
+        force = least(seat.block, seat.middle, seat.normal)
+        if np.isfinite(force):
+            load = model.load.wrench[seat.block, :3]
+            up = -float(seat.normal @ load) / max(float(np.linalg.norm(load)), 1e-300)
+            counts = 1.0 if carries(model, seat.block, seat.normal) else _RAKED
+            off = float(np.linalg.norm(seat.middle - middle))
+            found.append((up < -_AGAINST, counts * force, off, seat))
+    order: list[PropSeat] = []
+    while found:
+        down, force = min(one[:2] for one in found)
+        equal = [x for x in found if x[0] == down and x[1] <= (1.0 + _EQUAL) * force]
+        order += [x[3] for x in sorted(equal, key=lambda x: round(x[2] / assembly.size.max(), 6))]
+        found = [x for x in found if x not in equal]
+    return order
+
+
+def least_pushes(
+    model: Model, stop: Callable[[], bool] | None
+) -> Callable[[int, Floats, Floats], float]:
+    """What finds the least force [N] on a block, at a point (3,) and along a unit vector (3,).
+
+    With it forces balance the loads; infinite where they do with no such force.
+    """
+    statics = build_statics(model, model.contacts.select(model.active))
+    largest = PlaneFactors.of(statics, FrictionCone.exact(), None)
+
+    def least(block: int, point: Floats, way: Floats) -> float:
+        pull = LoadCase.point_load(model.assembly, block, -np.asarray(way), point)
+        force = -largest(scaled_wrench(statics, pull), stop).factor
+        return force if force > 0.0 else np.inf  # a pull holds it, or nothing does
+
+    return least
 
 
 def carries(model: Model, block: int, force: Floats) -> bool:
@@ -368,8 +438,11 @@ def _needed(
     return [one for one in held if one.size > least]
 
 
-def with_props(model: Model, some: Sequence[PropSeat]) -> Model:
-    """The model with fixed props at some places; the joints below them are the last ones."""
+def with_props(model: Model, some: Sequence[PropSeat], *, smooth: bool = False) -> Model:
+    """The model with fixed props at some places; the joints below them are the last ones.
+
+    Smooth heads push square to their faces; others have the usual friction.
+    """
     props: list[Block] = []
     for seat in some:
         patch = np.asarray(seat.outline)
@@ -381,7 +454,7 @@ def with_props(model: Model, some: Sequence[PropSeat]) -> Model:
         np.array([one.block for one in some]),
         frames_from_normals(np.array([one.normal for one in some])),
         lengths(np.array([area_vector(one.outline) for one in some])),
-        np.full(len(some), usual_friction(model)),
+        np.full(len(some), 0.0 if smooth else usual_friction(model)),
         np.concatenate([one.outline for one in some]),
         np.arange(len(some)).repeat([len(one.outline) for one in some]),
     )
@@ -392,12 +465,16 @@ def _forces(
     model: Model, some: Sequence[PropSeat], stop: Callable[[], bool] | None
 ) -> list[PropForce]:
     """The forces of some props, if they are soon found to hold a model; else none."""
-    rest = soon_at_rest(with_props(model, some), stop)
-    if not rest.stable:
-        return []
-    found = rest.resultants
-    last = zip(some, found.position[-len(some) :], found.force[-len(some) :], strict=True)
-    return [PropForce(seat, frozen(at), frozen(force)) for seat, at, force in last]
+    for smooth in (True, False):
+        rest = soon_at_rest(with_props(model, some, smooth=smooth), stop)
+        if rest.stable:
+            found = rest.resultants
+            last = found.position[-len(some) :], found.force[-len(some) :]
+            return [
+                PropForce(seat, frozen(at), frozen(force))
+                for seat, at, force in zip(some, *last, strict=True)
+            ]
+    return []
 
 
 def posts(

@@ -165,6 +165,25 @@ def test_the_props_that_are_named_hold_the_whole_shelf(fallen: Diagnosis) -> Non
     assert drystone.check(model).stable
 
 
+def test_a_prop_stands_where_the_least_force_holds_level_or_upright_and_in_the_middle() -> None:
+    """A portal that a push tips is held at its lintel, a thin arch at its crown."""
+    portal = (
+        box((3.0, 0.5, 0.1), (-0.5, 0.0, -0.1), "ground"), box((0.3, 0.5, 2.0), name="left"),
+        box((0.3, 0.5, 2.0), (1.7, 0.0, 0.0), "right"),
+        box((2.4, 0.5, 0.3), (-0.2, 0.0, 2.0), "top"),
+    )  # fmt: skip
+    model = Model.of(Assembly(portal).with_fixed([0]), friction=0.6)
+    push = LoadCase.point_load(model.assembly, 3, (2500.0, 0.0, 0.0))
+    pushed = model.with_load(model.load + push)
+    thin = Model.of(arch(0.08, voussoirs=5), friction=0.7)
+    for one, name, way in ((pushed, "top", (-1, 0, 0)), (thin, "voussoir-02", (0, 0, 1))):
+        fallen = drystone.diagnose(one, options=DiagnosisOptions.brief())
+        blocks = fallen.regions[0].blocks
+        (held,) = find_props(one, blocks, fallen.motion, shares=(0.0,)).props
+        assert one.assembly.names[held.block] == name
+        assert held.force / held.size == pytest.approx(np.array(way), abs=1e-9)
+
+
 def test_blocks_that_fall_together_are_one_region_and_others_are_another() -> None:
     assert regions_of(Model.of(tower(6)), [1, 2, 4, 5]) == [(1, 2), (4, 5)]
 

@@ -393,7 +393,7 @@ def test_the_force_of_a_prop_is_the_largest_one_at_the_margin() -> None:
     assert firm.change.value == pytest.approx(1.5 * plain.change.value, rel=1e-6)
     assert "N (up) under 'out' at " in firm.change.description
     assert firm.change.description.endswith(" m: the largest force at the margin")
-    assert "a steady force of " in plain.change.description
+    assert "the least steady force there is " in plain.change.description
     assert "margin" not in plain.change.description
 
 
@@ -623,14 +623,14 @@ def test_words_of_a_mend_tell_the_way_where_gravity_is_not_along_z() -> None:
 def test_a_corbel_is_propped_from_below_or_each_of_its_stones_overhangs_less() -> None:
     found = find_mends(corbel(), options=MendOptions(kinds=("prop", "slide")))
     prop, drawn = (one.change for one in found.mends)
-    assert "under 'stone-4' at" in prop.description
+    assert "N (up) under 'stone-3' at" in prop.description  # below 4 a head without friction slips
     (region,) = found.diagnosis.regions
     (held,) = region.needs.props.props
-    assert held.force[2] > 0.9 * held.size
+    assert held.force[2] == pytest.approx(held.size, rel=1e-9)
     assert "drawn back towards -x, to overhang " in drawn.description
     built = drystone.plan(found.mends[0].model)
-    needs = "1 permanent prop, which must be there before 'stone-4'"
-    assert built.title == f"Can be assembled with 2 blocks held and {needs}"
+    needs = "1 permanent prop, which must be there before 'stone-3'"
+    assert built.title == f"Can be assembled with {needs}"
     assert [one.text for one in built.sentences()].count(needs) == 1
     for stage in built.layers().stages:
         (post,) = (one for one in stage.layers if one.key == "posts")

@@ -154,8 +154,8 @@ def test_the_picture_of_a_prop_has_its_force_and_the_page_its_option_unbroken() 
     found = find_mends(incline(20.0), friction=0.2, options=MendOptions(kinds=("prop",)))
     scene = scene_of(found)
     (post,) = [layer for layer in scene.stages[1].layers if layer.key == "help"]
-    assert "a prop of 1.46 kN" in scene.stages[1].headline
-    assert post.label == "1 prop, 1.46 kN"
+    assert "a prop of 1.45 kN" in scene.stages[1].headline
+    assert post.label == "1 prop, 1.45 kN"  # W (sin 20 - 0.2 cos 20)
     assert post.vector is not None
     assert post.vector[0, 0] > 0.0  # its force is towards -x, as its sentence says
     assert "<code>--apply 1</code>" in panel(scene.charts[0])
