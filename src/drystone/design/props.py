@@ -293,7 +293,7 @@ def find_props(
 
     For each place the least force square to the face that balances the loads is found by a convex
     program. A prop from below comes before a level one with a third of its force, and one that
-    presses down is the last; of those within a hundredth of each other the one nearest to the
+    presses down is the last; of those within a thousandth of each other the one nearest to the
     middle of the blocks is the first. The first one that holds the model is taken, where possible
     one that holds it with 20 % less friction. Heads have friction only where smooth ones do not
     hold.
@@ -349,9 +349,6 @@ def find_props(
 _RAKED = 3.0
 """A level prop is a raking shore: at 70 degrees it carries three times the level force."""
 
-_EQUAL = 0.01
-"""Share of the least force within which props hold equally. Chosen: a hundredth."""
-
 
 def _ranked(
     model: Model,
@@ -377,7 +374,7 @@ def _ranked(
     order: list[PropSeat] = []
     while found:
         down, force = min(one[:2] for one in found)
-        equal = [x for x in found if x[0] == down and x[1] <= (1.0 + _EQUAL) * force]
+        equal = [x for x in found if x[0] == down and x[1] <= (1.0 + 1e-3) * force]
         order += [x[3] for x in sorted(equal, key=lambda x: round(x[2] / assembly.size.max(), 6))]
         found = [x for x in found if x not in equal]
     return order
