@@ -18,6 +18,7 @@ from drystone.assembly import Assembly
 from drystone.design import Changed
 from drystone.detection import find_contacts
 from drystone.io import Inspection
+from drystone.loads import Earth, LoadCase
 from drystone.models import arch, box, bridge, curve_three_blocks, incline, shelf, tower
 from drystone.results import Result
 from drystone.sequence import PlanOptions, Robot, Rules
@@ -124,13 +125,15 @@ def test_every_preset_and_every_slider_changes_the_picture(opened, standing):
 
 
 def test_a_fall_plays_once_and_its_slider_moves_the_blocks(opened):
-    falling = drystone.check(shelf(), friction=0.9)
+    earth = LoadCase.gravity(shelf()) + Earth("-y", 100.0, 0.5).on(shelf())
+    falling = drystone.check(shelf(), friction=0.9, load=earth)
     tab = opened(falling)
     assert tab.text("h1") == "Falls: 2 of 11 blocks"
     assert "force network" not in tab.text("#legend")
     before = pixels(tab)
     tab.slide("#motion", 0.7)
     assert pixels(tab) != before
+    assert "pressure on faces" in tab.text("#legend")  # as long as it plays
     tab.click("#play")
     assert tab.text("#play") == "Stop"
     tab.click("#play")

@@ -68,7 +68,7 @@ class JointState(OneLine):
     motion
     direction : (3,) unit
         Direction of the motion of the block relative to its neighbour, at the middle of the
-        interface; zero if it stays.
+        interface, in its plane where it slides; zero if it stays.
     edge : (2, 3) [m]
         Ends of the edge about which it hinges; ``None`` for other motions.
     normal : [N]
@@ -128,7 +128,9 @@ def joint_states(
             kind = _kind(corners, away, sign * contacts.frame[i].T, bool(hinge[i]), bool(slide[i]))
             if contacts.crushes[i] and corners[:, 0].min() < -STILL * reach:
                 kind = JointMotion.CRUSHES
-        mean = sign * contacts.frame[i].T @ corners.mean(axis=0)
+        mean = corners.mean(axis=0)
+        mean[0] *= kind is not JointMotion.SLIDES  # a proof opens it by the angle of friction
+        mean = sign * contacts.frame[i].T @ mean
         size = float(np.linalg.norm(mean))
         stays = kind is JointMotion.STAYS or size == 0.0
         direction = frozen(np.zeros(3) if stays else mean / size)

@@ -273,7 +273,7 @@ class TrainEnvelope(Answer):
             said.append(Sentence(why))
             said += self.limit.sentences()[self.limit.stands is not None :]
         if not self._carried:
-            how = "--out worst.json writes the bridge under it, for 'drystone mend worst.json'"
+            how = "'drystone mend' of the bridge under it, which --out writes as a file"
             said.append(Sentence(f"what would carry the train: {how}"))
         if self.stopped:
             every = max(self.asked_for, len(self.places))
@@ -446,6 +446,8 @@ class TrainEnvelope(Answer):
                 whole = self.places[[0, -1]]
                 marks.append(Marks(MarkKind.LINE, whole, np.ones(2), "bad", "the train: 1"))
             told = f"least at {self._placed[at].at.words}: {rounded_down(spot[1][0]):g}"
+            if self.limit is not None and self.limit.stands is not None:
+                told += f" by equilibrium, {rounded_down(self.limit.stands):g} by the verdict"
             told += "" if known.all() else "; where none is drawn it is higher, or was not found"
         name = self.train.name
         return Chart(

@@ -20,7 +20,7 @@ from drystone.answer.scene import Layer, LayerKind, SceneStage, State
 from drystone.answer.sentences import Verdict
 from drystone.base.arrays import Bools, Floats, dot, lengths
 from drystone.base.units import quantity
-from drystone.checks import first_motion_of, moving_joints, turning_joints
+from drystone.checks import corner_motion, first_motion_of, moving_joints, turning_joints
 from drystone.geometry.surface import worth_drawing
 from drystone.joints import (
     FAINT,
@@ -135,8 +135,10 @@ def first_motion_words(result: Solution) -> str:
 def _fall_layers(result: Solution, motion: Floats) -> tuple[Layer, ...]:
     """The hinges and the sliding joints of a first motion."""
     hinge, slide, place = moving_joints(result.model, motion, _EYE)
-    proved = motion is result.mechanism and result.contacts.friction.any()
-    opens = "; the proof opens it by the angle of friction, real sliding does not" if proved else ""
+    corners = corner_motion(result.assembly, result.contacts, motion)
+    corners = corners[slide[result.contacts.interface]]
+    rises = corners[:, 0].sum() > 0.1 * lengths(corners[:, 1:]).sum()  # else it is drawn as it is
+    opens = "; drawn opening by the angle of friction, real sliding does not" if rises else ""
     turns = "hinges", "turns about an edge", hinge
     return marks(place, turns, ("sliding", f"slides{opens}", slide))
 

@@ -114,7 +114,7 @@ def crushing_words(model: Model, share: float, motion: Floats) -> str:
     if at is None:
         return f"{UNBALANCED}; no {'joint crushes' if stone else 'tie yields'}{edges}"
     words = f"{WEAK} its {'joints' if stone else 'ties'} balance the loads"
-    words += f", only {rounded_down(share, 3):g} of them{edges}"
+    words += f", only {rounded_down(share, 3):g} of them, the weight too{edges}"
     _, which, fails = joint_words(model.assembly, model.contacts, at)
     if crushing_share(model, motion) > 0.5:
         words = f"{'it crushes' if fails == 'crushes' else 'ties yield'}: {words}"

@@ -87,6 +87,18 @@ def test_a_block_on_a_steep_ramp_slides_down_and_needs_the_tangent_of_its_angle(
         assert "N (40 degrees above level towards +x) at " in told
 
 
+def test_a_block_that_slides_on_level_ground_is_not_said_to_slide_up() -> None:
+    """The proof lifts it by the angle of friction, 39 degrees; its joint is level."""
+    ground, slab = (
+        box((3.0, 1.0, 1.0), name="ground"),
+        box((1.0, 1.0, 0.2), (0.5, 0.0, 1.0), "slab"),
+    )
+    pushed = Assembly([ground, slab]).with_fixed(["ground"])
+    region = only(diagnose(pushed, friction=0.8, load=LoadCase.seismic(pushed, 0.9, 0.0)))
+    assert region.sentence.startswith("block 'slab' slides along 'ground'")
+    np.testing.assert_allclose(region.joints[0].direction, [1.0, 0.0, 0.0], atol=1e-6)
+
+
 def test_a_friction_that_was_told_is_not_told_again() -> None:
     first, second = diagnose(slope(40.0)).reasons
     assert "friction of 0.84 there" in first

@@ -73,12 +73,14 @@ const told = (axes) => ({
 
 const hasGhost = () => shownLayers.get("ghost") && Boolean(stage().motion) && !stage().virtual && !camera.spread;
 
-// While blocks move their joints mean nothing, but what would hold them stays.
+// While blocks move their joints mean nothing; what would hold them stays, and what presses on their faces.
 // The forces of a stage that `moved` are those at the end of its motion.
 function isDrawn(layer, time) {
   if (stage().moved) {
     if (page.time < 1) return false;
-  } else if (time > 0) return layer.kind === "markers" || layer.colour === "help";
+  } else if (time > 0) {
+    return layer.kind === "markers" || layer.colour === "help" || (layer.key === "surface" && !stage().path);
+  }
   return !(camera.spread && layer.kind === "lines" && layer.value); // they would end in the air
 }
 
