@@ -119,6 +119,10 @@ def _require_drawn(
             f"draws {' or '.join(map(str, counts))} varying parameters, not {varied}", where=where,
             remedy="give others one value, or leave it out; --csv has every row",
         )  # fmt: skip
+    words = [one for one in _varied(parameters)[:1] if isinstance(parameters[one][0], str)]
+    if path is not None and where == "--png" and words:
+        remedy = "name a parameter with numbers first, or leave it out; --csv has every row"
+        raise InputError(f"'{words[0]}' has no numbers to draw along", where=where, remedy=remedy)
 
 
 def _varied(parameters: Mapping[str, Sequence[Any]]) -> list[str]:

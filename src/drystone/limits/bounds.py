@@ -77,7 +77,8 @@ def rbe(
     model: Model,
 ) -> Result:
     """Result of rigid-block equilibrium without the penalty form."""
-    return solve_rbe(model, options=_options(cone), stop=stop)
+    found = solve_rbe(model, options=_options(cone), stop=stop)
+    return replace(found, options=RBEOptions(cone=cone))  # numerics are not what was asked
 
 
 def _options(cone: FrictionCone) -> RBEOptions:
@@ -109,7 +110,7 @@ def _falling(
         message=UNBALANCED,
         mechanism=mechanism,
         falling=moving_blocks(model.assembly, mechanism),
-        options=_options(cone),
+        options=RBEOptions(cone=cone),
         solver=solver,
         iterations=iterations,
     )

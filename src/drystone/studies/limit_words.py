@@ -18,6 +18,8 @@ from drystone.settlement import LargeDisplacement
 
 TURNED = "turned"
 """The column of words: about which axis a tilt was found, which may be another one in each row."""
+UNSURE = ("sensitive_from", "sensitive_to", "undecided_from", "undecided_to")
+"""Columns of the ranges in which the joints decide: see :class:`drystone.limits.Limit`."""
 
 
 def _bracket(limit: Limit) -> tuple[list[float | str | None], tuple[str, ...]]:
@@ -32,6 +34,12 @@ def _turned(limit: Limit) -> list[str | None]:
     return [None if limit.stands is None else limit.quantity.phrase]
 
 
+def _unsure(limit: Limit) -> list[float | str | None]:
+    """The ranges in which the joints decide, or nothing is known."""
+    ranges = (limit.sensitive_between, limit.undecided_between)
+    return [end for ends in ranges for end in (sorted(ends) if ends else (None, None))]
+
+
 def measures(words: str) -> Mapping[str, str]:
     """The columns of a limit in words, and their units; :func:`measured` has their values.
 
@@ -42,12 +50,12 @@ def measures(words: str) -> Mapping[str, str]:
     """
     offered, _ = _asked(words)
     if offered is LIMITS["tilt"]:
-        return {"stands": "deg", "falls": "deg", TURNED: ""}
+        return {"stands": "deg", "falls": "deg", TURNED: "", **dict.fromkeys(UNSURE, "deg")}
     return _MEASURES[get_type_hints(offered.analysis)["return"]]
 
 
 _MEASURES: Mapping[type[Answer], Mapping[str, str]] = {
-    Limit: {"stands": "", "falls": ""},
+    Limit: {"stands": "", "falls": "", **dict.fromkeys(UNSURE, "")},
     TiltSweep: {"stands": "deg", "falls": "deg", "towards": "deg"},
     TrainEnvelope: {"factor": "", "place": "m", "stands": "", "falls": ""},
     ThrustBounds: {"least": "N", "most": "N"},
@@ -76,7 +84,7 @@ def measured(answer: Answer) -> tuple[list[float | str | None], tuple[str, ...]]
             return [float(answer.load[-1]), answer.capacity], ()
         case Limit():
             values, moves = _bracket(answer)
-            return values + _turned(answer), moves
+            return values + _turned(answer) + _unsure(answer), moves
     raise TypeError(f"no limit: {answer!r}")
 
 

@@ -31,7 +31,7 @@ from drystone.model import Model
 from drystone.results import Verdict
 from drystone.solvers.threads import one_blas_thread
 from drystone.stability import CheckOptions, check
-from drystone.studies.limit_words import TURNED, limit_of_words, measured, measures
+from drystone.studies.limit_words import TURNED, UNSURE, limit_of_words, measured, measures
 
 Parameters: TypeAlias = Mapping[str, Sequence[Any]] | Iterable[Mapping[str, Any]]
 """Values of each parameter, in all their combinations; or rows."""
@@ -115,10 +115,11 @@ def study(
     Table
         A row for each: number and inputs; of a check the verdict and ``tilt_margin``, [deg] up
         to which forces balance the loads; of a limit the last value at which it stands and the
-        first one at which it falls (with ``--robust`` for every stiffness tried), or what else it
-        finds, such as both bounds of a thrust; of a tilt about which axis it was ``turned``; the
-        blocks that move, a message, and the time [s]. ``refused`` stands where there is no model,
-        ``unbalanced`` where no forces bound a thrust, ``failed`` where a worker ended twice.
+        first one at which it falls (with ``--robust`` for every stiffness tried), and the ranges
+        where it is ``sensitive`` to stiffness or ``undecided``, or what else it finds, such as both
+        bounds of a thrust; of a tilt about which axis it was ``turned``; the blocks that move, a
+        message, and the time [s]. ``refused`` stands where there is no model, ``unbalanced`` where
+        no forces bound a thrust, ``failed`` where a worker ended twice.
 
     Raises
     ------
@@ -371,6 +372,7 @@ def _hidden(columns: Mapping[str, Sequence[Any]]) -> frozenset[str]:
     inputs = [*columns][1 : [*columns].index("verdict")]
     varied = [one for one in inputs if len({*map(str, columns[one])}) > 1]
     hidden = {"number", "time_s", *inputs} - {*(varied or inputs)}
+    hidden |= {one for one in UNSURE if one in columns and not np.isfinite(columns[one]).any()}
     answered = {"found", _UNBALANCED, *(one.value for one in Verdict)}
     return frozenset(hidden if {*columns["verdict"]} - answered else {*hidden, "message"})
 
@@ -477,8 +479,9 @@ def _row(task: _Task, clock: Clock) -> list[Any]:
             word = "stopped" if getattr(answer, "stopped", "") else "found"
             if isinstance(answer, ThrustBounds) and np.isnan(answer.least):
                 word = _UNBALANCED
+            message = "; ".join((answer.title, *getattr(answer, "remarks", ())))
             return task.row(
-                word, *map(_without_noise, values), " ".join(moves), answer.title, clock.elapsed_s
+                word, *map(_without_noise, values), " ".join(moves), message, clock.elapsed_s
             )
         result = check(model, options=task.options, stop=clock.late)
         margin = tilt_margin(model, stop=clock.late)[0] if result.stable else None

@@ -204,9 +204,14 @@ def test_a_thrust_where_no_forces_balance_is_told_apart_from_one_that_is_found()
 
 def test_a_robust_limit_is_that_of_every_stiffness() -> None:
     found = limit_tilt(drystone.Model.of(pier(0.5), friction=0.3), "y")
-    sides, _ = measured(replace(found, robust=Bracket(3.0, 4.0)))
-    assert sides == [3.0, 4.0, "about y"]
-    assert measured(found)[0] == [found.best.stands, found.best.falls, "about y"]
+    low, high = found.best.stands, found.best.falls
+    robust = replace(found, robust=Bracket(3.0, 4.0))
+    assert robust.sensitive_between is not None
+    unsure = [*sorted(robust.sensitive_between), None, None]
+    assert measured(robust)[0] == [3.0, 4.0, "about y", *unsure]
+    assert measured(found)[0] == [low, high, "about y", *4 * [None]]
+    assert found.best.falling is not None
+    assert found.best.falling.asked.options == {}  # its numerics are no question
 
 
 def test_axes_have_words_and_units_and_what_is_fixed_is_said(tmp_path: Path) -> None:
@@ -302,6 +307,9 @@ def test_the_command_studies_a_family_and_writes_table_and_chart(
     out = ["--out", str(tmp_path / "one.jsonl"), "--map", str(tmp_path / "one.png")]
     assert main(["study", "tower", "--set", "count=2:3:2", *out]) == 2
     assert "--map: draws 2 varying parameters, not 1" in capsys.readouterr().err
+    out[2:] = ["--png", str(tmp_path / "one.png")]
+    assert main(["study", "wedge", "--set", "kind=c", "--set", "kind=d", *out]) == 2
+    assert "--png: 'kind' has no numbers to draw along" in capsys.readouterr().err
     assert not (tmp_path / "one.jsonl").exists()  # refused before the work
     assert main(["study", "tower", "--set", "count=2:3:2", "--set", "friction=0.5"]) == 0
     assert "2 rows, 0 refused, friction 0.5  tower\n" in capsys.readouterr().out
