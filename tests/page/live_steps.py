@@ -12,9 +12,9 @@ from drystone.live.serving import Live
 from tests.page.browser import Tab
 
 
-def verdict(tab: Tab, wanted: str) -> str:
-    """Wait for the whole verdict; the sentence that the page then says."""
-    tab.until(f"document.getElementById('headline').className === '{wanted}'")
+def verdict(tab: Tab, role: str) -> str:
+    """Wait for the role of the whole verdict; the sentence that the page then says."""
+    tab.until(f"document.getElementById('headline').className === '{role}'")
     return tab.text("h1")
 
 

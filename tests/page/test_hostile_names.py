@@ -89,7 +89,7 @@ def test_the_live_page_shows_names_as_text(browser: Browser, tmp_path: Path) -> 
     io.write(MODEL, path)
     with Live(path, port=0) as live:
         tab = browser.open(live.link, size=(1000, 700))
-        verdict(tab, "STABLE")
+        verdict(tab, "good")
         for name in NAMES[:8]:
             choose(tab, name)
             unharmed(tab)

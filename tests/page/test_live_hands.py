@@ -33,7 +33,7 @@ def test_only_a_click_takes_a_block_out_and_a_double_click_takes_one(
     browser: Browser, live: Live
 ) -> None:
     tab = browser.open(live.link, size=(760, 480))
-    verdict(tab, "STABLE")
+    verdict(tab, "good")
     x, y = place_of(tab, live, "voussoir-06")
     for mode in ("remove", "support"):
         tab.click(f"[data-mode={mode}]")
@@ -47,10 +47,10 @@ def test_only_a_click_takes_a_block_out_and_a_double_click_takes_one(
     for count in (1, 2):
         for kind in ("mousePressed", "mouseReleased"):
             tab.mouse(kind, x, y, button="left", clickCount=count)
-    verdict(tab, "UNSTABLE")
+    verdict(tab, "bad")
     assert tab.text("#live-changes").count(" is out") == 1
     tab.click("#undo")
-    verdict(tab, "STABLE")
+    verdict(tab, "good")
     assert untouched(tab)
     leave(tab, live)
 
@@ -58,7 +58,7 @@ def test_only_a_click_takes_a_block_out_and_a_double_click_takes_one(
 @pytest.fixture
 def phone(browser: Browser, live: Live) -> Tab:
     tab = browser.open(live.link, size=(390, 844), touch=True)
-    verdict(tab, "STABLE")
+    verdict(tab, "good")
     return tab
 
 
@@ -104,7 +104,7 @@ def test_what_is_not_done_is_said_where_one_looks(phone: Tab, live: Live) -> Non
 
 def test_a_card_has_the_friction_of_the_answer(browser: Browser, live: Live) -> None:
     tab = browser.open(live.link, size=(760, 480))
-    verdict(tab, "STABLE")
+    verdict(tab, "good")
     tab.slide("#friction-number", 0.8)
     says(tab, "asked", "friction 0.8")
     choose(tab, "voussoir-06")
@@ -121,7 +121,7 @@ def test_a_card_has_the_edges_that_touch_as_well(browser: Browser, tmp_path: Pat
     io.write(blocks.with_fixed([0, 1]), path)
     with Live(path, port=0, how={"friction": 0.9}) as live:
         tab = browser.open(live.link, size=(760, 480))
-        verdict(tab, "STABLE")
+        verdict(tab, "good")
         choose(tab, "slab")
         tab.click("#card td button[title='joint with wall']")  # the edge that it leans with
         assert "friction coefficient0.9" in tab.text("#card")

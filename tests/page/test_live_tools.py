@@ -22,7 +22,7 @@ from tests.unit.live.live_client import overhang
 @pytest.fixture
 def tab(browser: Browser, live: Live) -> Iterator[Tab]:
     made = browser.open(live.link, size=(760, 480))
-    verdict(made, "STABLE")
+    verdict(made, "good")
     yield made
     leave(made, live)
 
@@ -48,7 +48,7 @@ def test_where_clicks_change_blocks_a_joint_takes_none(tab: Tab, live: Live) -> 
     tab.frames(5)
     told = tab.text("#tip")
     tab.press(*at)
-    verdict(tab, "UNSTABLE")
+    verdict(tab, "bad")
     name = next(one for one in blocks.names if told == f"{one}: a click takes it out")
     assert name in tab.text("#live-changes")
 
@@ -65,7 +65,7 @@ def test_a_support_is_dragged_and_the_blocks_follow(tab: Tab, live: Live) -> Non
     tab.mouse("mouseReleased", x + 12, y, button="left", clickCount=1)
     assert words.endswith(" mm")
     says(tab, "headline", "Stands with its supports")
-    told = verdict(tab, "STABLE")
+    told = verdict(tab, "good")
     assert told.startswith(f"Stands with its supports moved by {words}: 3 hinges")
     assert "springer-right moved by" in tab.text("#live-changes")
     assert tab.text("#motion-name") == "Motion of the supports"
@@ -74,11 +74,11 @@ def test_a_support_is_dragged_and_the_blocks_follow(tab: Tab, live: Live) -> Non
     way = "document.querySelector('#live-changes .way input')"
     assert tab.run(f"Number({way}.value)") > 0.0
     tab.run(f"{way}.value = 500; {way}.dispatchEvent(new Event('change'))")
-    assert verdict(tab, "UNSTABLE").startswith("Falls when the supports have moved by ")
+    assert verdict(tab, "bad").startswith("Falls when the supports have moved by ")
     assert distance_of_the_eye(tab) > 1.02 * near  # what has moved is in the view
     tab.click("#undo")
     says(tab, "headline", told)
-    verdict(tab, "STABLE")
+    verdict(tab, "good")
     tab.click("#undo")
     tab.until("document.getElementById('headline').textContent === 'Stands'")
     assert tab.text("#live-changes") == ""
@@ -98,7 +98,7 @@ def test_a_plan_is_played_its_order_changed_and_checked_again(tab: Tab) -> None:
     assert tab.run(names) == wanted
     assert "propped, " in tab.text("#plan")
     tab.click("#plan-leave")
-    verdict(tab, "STABLE")
+    verdict(tab, "good")
     assert tab.run("document.getElementById('stage-box').hidden")
 
 
@@ -109,7 +109,7 @@ def test_what_is_saved_gives_the_same(
     tab.slide("#friction", 0.5)
     tab.slide("#tilt", 3)
     says(tab, "asked", "tilt 3 deg")
-    verdict(tab, "STABLE")
+    verdict(tab, "good")
     for button in ("model", "case", "picture"):
         tab.click(f"#save-{button}")
     wanted = ("arch-model.json", "arch-case.json")
@@ -139,8 +139,8 @@ def test_two_windows_are_both_true(browser: Browser, live: Live, tab: Tab) -> No
     tab.send("Page.bringToFront")  # a tab behind another one draws nothing
     tab.slide("#tilt", 2)
     says(tab, "asked", "tilt 2 deg")
-    assert verdict(other, "UNSTABLE").startswith("Falls")
-    assert verdict(tab, "STABLE").startswith("Stands")
+    assert verdict(other, "bad").startswith("Falls")
+    assert verdict(tab, "good").startswith("Stands")
     says(other, "asked", "tilt 12 deg")
     leave(other, live)
 
@@ -152,7 +152,7 @@ def test_a_mend_is_seen_made_and_undone_and_the_end_is_told(
     io.write(drystone.Model.of(overhang(), friction=0.9), path)
     with Live(path, port=0) as live:
         tab = browser.open(live.link, size=(760, 480))
-        verdict(tab, "UNSTABLE")
+        verdict(tab, "bad")
         tab.run("document.getElementById('mends-box').open = true")
         without = tab.picture("#view")
         tab.click("#mends-find")
@@ -167,11 +167,11 @@ def test_a_mend_is_seen_made_and_undone_and_the_end_is_told(
         assert tab.picture("#view") != without
         tab.run("document.activeElement.click()")
         says(tab, "mends", "made: ")
-        verdict(tab, "STABLE")
+        verdict(tab, "good")
         assert "3 blocks" in tab.text("#asked")
         assert tab.run("document.getElementById('task-stop').hidden")
         tab.click("#undo")
-        verdict(tab, "UNSTABLE")
+        verdict(tab, "bad")
         assert "2 blocks" in tab.text("#asked")
         assert tab.complaints() == []
     says(tab, "live-trouble", "the server has ended")
@@ -183,16 +183,16 @@ def test_joints_are_changed_and_a_block_is_cut(browser: Browser, tmp_path: Path)
     io.write(drystone.Model.of(leaning_column(blocks=2), friction=0.12), path)
     with Live(path, port=0) as live:
         tab = browser.open(live.link, size=(760, 480))
-        verdict(tab, "UNSTABLE")
+        verdict(tab, "bad")
         tab.run("document.getElementById('mends-box').open = true")
         tab.click("#recut-find")
         says(tab, "mends", "made: every block is free: 2 joints changed")
-        verdict(tab, "STABLE")
+        verdict(tab, "good")
         choose(tab, "c02-block")
         tab.run("[...document.querySelectorAll('#block-actions button')]"
                 ".find((one) => one.textContent === 'Cut it in two').click()")  # fmt: skip
         says(tab, "mends", "made: c02-block cut in two")
-        verdict(tab, "STABLE")
+        verdict(tab, "good")
         assert "4 blocks" in tab.text("#asked")
         assert tab.complaints() == []
     tab.close()

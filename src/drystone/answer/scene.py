@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 
 from drystone.answer.chart import Chart
 from drystone.answer.question import UP
-from drystone.answer.sentences import Verdict
+from drystone.answer.sentences import Role
 from drystone.assembly import Assembly
 from drystone.base.arrays import Floats, Ints, marked
 from drystone.base.display import OneLine
@@ -198,8 +198,8 @@ class SceneStage(OneLine):
         The answer in one plain sentence.
     message
         How it was found.
-    verdict
-        None where nothing was computed.
+    role
+        Of the headline, which has its look; None where nothing was computed.
     state : (n,) values of :class:`State`
     motion : (n, 6) [m, rad], translation of the centroid and rotation vector about it
     path : (s, n, 6) [m, rad]
@@ -230,7 +230,7 @@ class SceneStage(OneLine):
     headline: str
     message: str
     state: Ints
-    verdict: Verdict | None = None
+    role: Role | None = None
     motion: Floats | None = None
     path: Floats | None = None
     seconds: float = 2.4

@@ -39,11 +39,6 @@ class Role(enum.Enum):
         """The role of a sentence with a verdict."""
         return {Verdict.STABLE: cls.GOOD, Verdict.UNSTABLE: cls.BAD}.get(verdict, cls.UNSURE)
 
-    @property
-    def verdict(self) -> Verdict:
-        """The verdict whose sentence has this role."""
-        return {Role.GOOD: Verdict.STABLE, Role.BAD: Verdict.UNSTABLE}.get(self, Verdict.UNDECIDED)
-
 
 @dataclass(frozen=True)
 class Sentence(OneLine):

@@ -47,17 +47,16 @@ class Tried(OneLine):
         Where it was not tried: on so many blocks, or with blocks that are kept.
     less
         The mend that holds with a smaller margin, and that margin; empty where none was found.
+    only
+        How it holds the region but not the whole: ``alone``, or ``for some contact stiffnesses``;
+        empty where it does not.
     """
 
     kind: str
     what: str
     skipped: str = ""
     less: str = ""
-
-    @property
-    def only(self) -> str:
-        """Of what holds a region, not the whole: ``alone``, or ``for some contact stiffnesses``."""
-        return self.what.partition(" holds the region ")[2].partition(", but of the whole: ")[0]
+    only: str = ""
 
 
 _HARD = 3.0

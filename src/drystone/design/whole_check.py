@@ -133,7 +133,7 @@ class _WholeCheck:
         """The change with the least value that holds the structure; ``None`` if it falls."""
         bench, candidate, found = self.bench, self.candidate, self._least()
         if found is None:
-            bench.tried.append(Tried(candidate.kind, self._falls()))
+            bench.tried.append(self._falls())
             bench.near = True
             return None
         model, made = bench.model, found.model
@@ -198,7 +198,7 @@ class _WholeCheck:
             low = high
         return None
 
-    def _falls(self) -> str:
+    def _falls(self) -> Tried:
         """Why no value holds the structure."""
         first, why = self.first, self.why
         if first not in why:
@@ -210,7 +210,7 @@ class _WholeCheck:
             last = f" ({why[self.largest]})" if self.largest in why else ""
             words = self.candidate.words(self.largest)
             what += f"; larger values do not hold it either, up to: {words}{last}"
-        return what
+        return Tried(self.candidate.kind, what, only=only)
 
     def _changed(self, value: float) -> tuple[Model, Model] | None:
         """The whole model with the change, and the same with other regions held."""

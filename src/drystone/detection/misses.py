@@ -51,7 +51,8 @@ class ToleranceCheck:
     limit : (q,) [rad]
     accepted : (s,) overlaps that are contacts, at least in part
     partial : (q,) whether only a part is within tolerance
-    too_far, too_deep, too_steep, too_warped : (s,)
+    away : (s,) 1 of those too far apart, -1 of those too deep in each other, else 0
+    too_steep, too_warped : (s,)
     """
 
     tolerance: Floats
@@ -60,8 +61,7 @@ class ToleranceCheck:
     limit: Floats
     accepted: Bools
     partial: Bools
-    too_far: Bools
-    too_deep: Bools
+    away: Ints
     too_steep: Bools
     too_warped: Bools
 
@@ -98,11 +98,11 @@ def _checked(
     most = corners.max(gap + tolerance[corner_row])
     over = corners.max(np.abs(gap) - tolerance[corner_row])
     row = shared.row
-    too_far, too_deep = least > 0.0, most < 0.0
+    away = (least > 0.0).astype(np.intp) - (most < 0.0)
     too_steep = (angle > limit)[row]
     most_warp = np.maximum(patches.warp[f], patches.warp[g])
     too_warped = (most_warp > options.warp * planes.size)[row]
-    accepted = ~(too_far | too_deep | too_steep | too_warped)
+    accepted = (away == 0) & ~(too_steep | too_warped)
     partial = marked(row[over > 0.0], len(f))
     return ToleranceCheck(
         tolerance,
@@ -111,8 +111,7 @@ def _checked(
         limit,
         accepted,
         partial,
-        too_far,
-        too_deep,
+        away,
         too_steep,
         too_warped,
     )
@@ -174,10 +173,10 @@ def misses(
         elif checked.too_warped[piece]:
             reason, needed = Reason.WARP, float("nan")
         elif checked.too_steep[piece]:
-            no_touch = checked.too_far[piece] or checked.too_deep[piece]
+            no_touch = checked.away[piece] != 0
             reason, needed = Reason.ANGLE, float("nan") if no_touch else float(excess[i])
         else:
-            reason = Reason.GAP if checked.too_far[piece] else Reason.OVERLAP
+            reason = Reason.GAP if checked.away[piece] > 0 else Reason.OVERLAP
             needed = float(apart[piece] / size[piece])
         result.append(missed_of(interfaces, i, reason, needed, bool(touch[i]), patches.origin))
     return result

@@ -189,18 +189,23 @@ class Limit(LimitValues, Answer):
         return varied.acting + falls <= 1.0
 
     @property
+    def _role(self) -> Role:
+        """Of the title: good is a load that is carried as it was given."""
+        if self.best.stands is None:
+            return Role.BAD if self._known else Role.UNSURE
+        return Role.UNSURE if self._below_given else Role.GOOD
+
+    @property
     def code(self) -> int:
         """0 where a limit is found, whatever it is."""
         return int(self.best.stands is None)
 
     def sentences(self) -> Sequence[Sentence]:
         """Up to which value it stands, what gives way beyond, and where the joints decide."""
-        found = self.best.stands is not None
         falling = self.best.falling
         if self._open and falling is not None:
             return [Sentence(f"{self.title}: {falling.message}", Role.UNSURE)]
-        role = Role.BAD if self._known and not found else Role.UNSURE
-        said = [Sentence(self.title, Role.GOOD if found and not self._below_given else role)]
+        said = [Sentence(self.title, self._role)]
         if self.quantity.inverse and self.best.stands:
             inverse = rounded_down(1.0 / self.best.stands)
             said.append(Sentence(f"{self.quantity.inverse}: {inverse:g}"))
@@ -336,8 +341,7 @@ class Limit(LimitValues, Answer):
         label += self._short(value)
         means = "; ".join(one for one in (state.message, *self._means()) if one)
         stage = replace(state.stage(label), headline=headline, message=means, facts=facts)
-        # its colour is that of the headline: good is a load that is carried as it was given
-        return replace(stage, verdict=Verdict.UNSTABLE) if self._below_given else stage
+        return replace(stage, role=self._role) if self._below_given else stage
 
     def _definitions(self) -> dict[str, Bracket]:
         """The bracket by each definition; one of those that agree, that of the check if it can."""

@@ -27,7 +27,7 @@ from drystone.contacts import Contacts
 from drystone.formulations.corner_forces import FrictionCone
 from drystone.geometry.frames import axis_words, rotation_about, unit
 from drystone.io.capacity_words import with_strength
-from drystone.loads import STANDARD_GRAVITY, LoadCase
+from drystone.loads import LoadCase
 from drystone.loads.applied import common_acceleration
 from drystone.loads.earthquake import Shaken
 from drystone.model import FlushEnds, Model
@@ -395,9 +395,7 @@ class LoadFactor(OneLine):
         acting = sum(known) if sum(known) <= along * (1.0 + 1e-9) else 0.0
         asked, replaces = f"{load.name}, and {name} times a factor", ("acceleration", "loads")
         told = Shaken.of(self.model.assembly, load + self.live) if self.live.shake.any() else None
-        # 1 g is a unit, no load that is to be carried
-        scale = "g" if np.isclose(np.linalg.norm(self.live.shake), STANDARD_GRAVITY) else ""
-        return Quantity("load factor", scale, replaces=replaces, acting=acting, load=asked,
+        return Quantity("load factor", self.live.unit, replaces=replaces, acting=acting, load=asked,
                         remark="" if told is None else told.words)  # fmt: skip
 
     @cached_property

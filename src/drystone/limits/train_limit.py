@@ -29,7 +29,7 @@ from drystone.limits.limits import limit_load
 from drystone.loads import Fill, LoadCase, Train
 from drystone.loads.fill import Tops
 from drystone.model import Model
-from drystone.results import Result, Verdict
+from drystone.results import Result
 from drystone.stability.problem import Problem
 
 
@@ -404,9 +404,9 @@ class TrainEnvelope(Answer):
         found = () if self.limit is None else self.limit.layers().stages
         for one in found:  # with the words of this answer
             told = self.title + one.headline.removeprefix(self.limit.title if self.limit else "")
-            verdict = one.verdict if self._carried else Verdict.UNSTABLE
+            role = one.role if self._carried else Role.BAD
             layers = (*one.layers, *axles)
-            worst.append(replace(one, headline=told, verdict=verdict, layers=layers))
+            worst.append(replace(one, headline=told, role=role, layers=layers))
         stages = worst or self._stage(self.worst)
         still = max(len(found) - 1, 0)
         for i in np.flatnonzero(np.isfinite(self._near)).tolist():

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from drystone.answer import Role
 from drystone.base import units
 from drystone.base.arrays import SAME, Floats, cross, marked
 from drystone.base.errors import counted
@@ -66,12 +67,12 @@ def at_once(model: Model, steps: CoarseSteps | None = None, before: Floats | Non
     result, size = found.result, units.quantity(found.size, "m")
     if result.displacement is None:
         headline = f"Supports moved by {size}: no first-order answer; it is being followed"
-        return Found(result, replace(result.stage("live"), headline=headline, verdict=None))
+        return Found(result, replace(result.stage("live"), headline=headline, role=None))
     joints = counted(len(found.open_joints()), "joint")
     headline = f"Supports moved by {size}: {joints} open to first order; it is being followed"
     contacts = _carried(model, result.displacement)
     made = _moved(result, contacts, result.displacement[None])
-    return Found(result, replace(made, headline=headline, verdict=None), moved=True)
+    return Found(result, replace(made, headline=headline, role=None), moved=True)
 
 
 def _coarsely(model: Model, steps: CoarseSteps | None, before: Floats | None) -> Found:
@@ -98,7 +99,7 @@ def _in_proportion(model: Model, before: Floats | None) -> Found:
         motion[~fixed] = share * before[~fixed]
     result = Result("settlement", Verdict.UNDECIDED, model, "the blocks are being followed")
     headline = f"Supports moved by {size}: the blocks are being followed"
-    stage = replace(result.stage("live"), headline=headline, verdict=None, motion=motion,
+    stage = replace(result.stage("live"), headline=headline, role=None, motion=motion,
                     motion_name=_MOTION)  # fmt: skip
     return Found(result, stage, moved=True)
 
@@ -196,7 +197,7 @@ def _on_the_way(model: Model, state: LargeState) -> Found:
     stage = _moved(result, contacts, state.positions[None])
     far = units.quantity(state.displacement, "m")
     headline = f"Supports moved by {far} so far: the blocks are being followed"
-    return Found(result, replace(stage, headline=headline, verdict=None), moved=True)
+    return Found(result, replace(stage, headline=headline, role=None), moved=True)
 
 
 def _of_model(model: Model, state: LargeState) -> tuple[Contacts, Floats]:
@@ -220,7 +221,7 @@ def _moved(result: Result, contacts: Contacts, path: Floats) -> SceneStage:
         for one in stage.layers
     )
     return replace(
-        stage, verdict=result.verdict, motion=path[-1], path=path if len(path) > 1 else None,
+        stage, role=Role.of(result.verdict), motion=path[-1], path=path if len(path) > 1 else None,
         motion_name=_MOTION, layers=layers,
     )  # fmt: skip
 

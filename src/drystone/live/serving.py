@@ -221,5 +221,5 @@ def _page_of(desk: Desk) -> str:
     begins = begins.replace("{{", "{\\u007b")  # a name, and no mark of the page
     controls = read("strip.html").replace("{{BEGINS}}", begins)
     script = "\n".join(read(name) for name in _SCRIPTS)
-    added = Addition(controls, read("live.css"), script, connects=True)
+    added = Addition(controls, read("live.css"), script)
     return page_of_data(kept.scene, f"drystone live: {desk.file.name}", added=added)

@@ -46,7 +46,7 @@ class Found:
         """The picture of a result; ``quick`` where the whole verdict is still to come."""
         stage = result.stage("live")
         if quick:
-            stage = replace(stage, headline=QUICK[result.verdict], verdict=None)
+            stage = replace(stage, headline=QUICK[result.verdict], role=None)
         return cls(result, stage)
 
 

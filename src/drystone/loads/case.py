@@ -394,6 +394,11 @@ class LoadCase(OneLine):
             )
 
     @property
+    def unit(self) -> str:
+        """``g`` of an earthquake of 1 g: a unit, no load that is to be carried; else empty."""
+        return "g" if np.isclose(np.linalg.norm(self.shake), STANDARD_GRAVITY) else ""
+
+    @property
     def beside_masses(self) -> LoadCase:
         """The same without the masses that blocks carry, and their forces."""
         wrench = self.wrench - sum((x.wrench for x in self.masses), np.zeros_like(self.wrench))

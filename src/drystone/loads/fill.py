@@ -306,11 +306,14 @@ class Tops:
 
     def depth(self, x: Floats, across: float) -> Floats:
         """(p,) [m], below forces on the road, the mean of those side by side."""
-        return np.asarray(np.mean([road.depth(x + on) for road, on in self._lanes(across)], axis=0))
+        return np.asarray(self._depths(x, across).mean(axis=0))
 
-    def _reach(self, x: Floats, contact: Floats | float, across: float) -> Floats:
+    def _depths(self, x: Floats, across: float) -> Floats:
+        """(l, p) [m], of each of those side by side."""
+        return np.array([road.depth(x + on) for road, on in self._lanes(across)])
+
+    def _reach(self, deep: Floats, contact: Floats | float) -> Floats:
         """(p,) [m], to each side along the road, to which forces spread."""
-        deep = self.depth(x, across)
         return np.maximum(0.5 * contact + self.fill.spread * deep, 1e-6 * self.road.breadth)
 
     def effective(self, x: Floats, contact: Floats | float, across: float) -> tuple[Floats, Floats]:
@@ -320,13 +323,18 @@ class Tops:
         beside it helps, as in CS 454, where a wheel has a strip of 1.5 m and the depth of fill.
         It is not more than that of a bridge, if that is ``whole``.
         """
-        reach, whole = self._reach(x, contact, across), self.bridge.road
+        return self._widths(x, self.depth(x, across), contact, across)
+
+    def _widths(
+        self, x: Floats, deep: Floats, contact: Floats | float, across: float
+    ) -> tuple[Floats, Floats]:
+        reach, whole = self._reach(deep, contact), self.bridge.road
         wide = whole.wide(x - reach, x + reach)
         if len(self._lanes(across)) > 1:
             wide = np.full(len(x), whole.breadth)
         if across == 0.0:
             return wide, wide
-        spread = across + 2.0 * self.fill.spread * self.depth(x, across)
+        spread = across + 2.0 * self.fill.spread * deep
         return np.minimum(spread, wide) if self.whole else spread, wide
 
     def borne(self, x: Floats, contact: Floats | float, across: float) -> Floats:
@@ -352,16 +360,18 @@ class Tops:
         across : [m]
             Width on which it acts; the whole one where it is zero. Else it is ``borne``, evenly.
         """
-        force = force * self.borne(x, contact, across)
-        reach, contact = self._reach(x, contact, across), np.broadcast_to(contact, len(x))
-        lanes = self._lanes(across)
-        each = [self._on(road, force / len(lanes), x + on, contact, reach) for road, on in lanes]
-        return sum(each[1:], each[0])
+        lanes, depths = self._lanes(across), self._depths(x, across)
+        deep, contact = depths.mean(axis=0), np.broadcast_to(contact, len(x))
+        effective, wide = self._widths(x, deep, contact, across)
+        force, reach = force * (wide / effective) / len(lanes), self._reach(deep, contact)
+        total = np.zeros((len(x), len(self.road.assembly), 6))
+        for (road, on), depth in zip(lanes, depths, strict=True):
+            total += self._on(road, force, x + on, contact, reach, depth)
+        return total
 
     def _on(
-        self, road: Roadway, force: Floats, x: Floats, contact: Floats, reach: Floats
+        self, road: Roadway, force: Floats, x: Floats, contact: Floats, reach: Floats, depth: Floats
     ) -> Floats:
-        depth = road.depth(x)
         even = 0.5 * force / (reach * road.wide(x - reach, x + reach))
         part, one = road.carriageway.within(x - reach, x + reach)
         found = even[:, None, None] * part.wrenches_of(

@@ -116,8 +116,7 @@ class SeenStrips(OneLine):
 
     def _nearest(self, least: float) -> SeenStrips:
         """What no other of them hides."""
-        corners = np.unique(self.t)
-        made = self.cut_at(corners[np.diff(corners, prepend=-np.inf) > least])
+        made = self.cut_at(self._places(least))
         made = made.chosen(np.ptp(made.t, axis=1) > 2.0 * least)
         return _visible(made._joined(), least)
 
@@ -131,8 +130,7 @@ class SeenStrips(OneLine):
         least : [m]
             Of which faces may lie before an opening.
         """
-        places = np.unique(self.t)
-        places = places[np.diff(places, prepend=-np.inf) > least]
+        places = self._places(least)
         opening, faces = self.cut_at(places), faces.cut_at(places)
         opening = opening.chosen(np.ptp(opening.t, axis=1) > least)
         opening = opening.chosen(np.argsort(opening.t.mean(axis=1), kind="stable"))
@@ -271,6 +269,11 @@ class SeenStrips(OneLine):
         r = made.r + made.slope[:, 1:] * (s - made.s)
         cut = SeenStrips(made.axes, made.block, made.t, s, last - first, r, made.slope)
         return cut.chosen((last - first).max(axis=1) > least)
+
+    def _places(self, least: float) -> Floats:
+        """Places (p,) [m] along t at which some begin or end, so many [m] apart."""
+        places = np.unique(self.t)
+        return places[np.diff(places, prepend=-np.inf) > least]
 
     def _bands(self, least: float) -> Iterator[SeenStrips]:
         """Those of each place along t, where these have the same ends to so many [m]."""

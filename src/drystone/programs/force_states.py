@@ -195,9 +195,8 @@ class Forces(Answer):
         result = self.result
         if self.form == "rbe":  # which knows nothing of motions
             result = replace(result, verdict=Verdict.UNDECIDED, falling=(), mechanism=None)
-        stage = replace(
-            result.stage("forces"), headline=self.title, verdict=self.result.verdict, plays=False
-        )
+        role = Role.of(self.result.verdict)
+        stage = replace(result.stage("forces"), headline=self.title, role=role, plays=False)
         instead = {"interfaces"}
         if self.threshold is not None:
             instead |= {"joint-force", "joint-pressure", "joint-use"}

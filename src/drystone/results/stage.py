@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from drystone.answer import Role
 from drystone.answer.drawing import (
     areas,
     help_layer,
@@ -54,7 +55,7 @@ def stage_of(result: Solution, headline: str, label: str = "result") -> SceneSta
     layers += load_layers(assembly, result.load)
     stage = SceneStage(
         label, headline, "; ".join([result.message, *worth_drawing(result.model.notes)]), state,
-        result.verdict, prop=needed, up=up, gravity=gravity,
+        Role.of(result.verdict), prop=needed, up=up, gravity=gravity,
     )  # fmt: skip
     if result.verdict is Verdict.UNSTABLE:
         motion = _falling_motion(result)

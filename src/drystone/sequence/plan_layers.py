@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from drystone.answer import Layer, LayerKind, MarkerShape, SceneStage, State
+from drystone.answer import Layer, LayerKind, MarkerShape, Role, SceneStage, State
 from drystone.answer.drawing import help_layer, interface_layers, load_layers
 from drystone.answer.question import directions
 from drystone.assembly import Assembly
@@ -116,7 +116,7 @@ def stage_of(
     up, gravity = directions(model.assembly, model.model.load)
     help_needed = help_layer(model.assembly, prop, "props and hands")
     stage = SceneStage(
-        label, _sentence(answer, state), message, state, answer.verdict,
+        label, _sentence(answer, state), message, state, Role.of(answer.verdict),
         motion_name="Insertion", arrives=True, prop=prop, up=up, gravity=gravity,
         layers=interface_layers(contacts, shown) + help_needed,
     )  # fmt: skip
@@ -152,7 +152,7 @@ def _sentence(answer: StageAnswer, state: Ints) -> str:
     return f"Stands with {' and '.join(helped)}" if helped else "Stands without help"
 
 
-def summary_stage(plan: PlannedSteps, title: str, message: str, verdict: Verdict) -> SceneStage:
+def summary_stage(plan: PlannedSteps, title: str, message: str, role: Role) -> SceneStage:
     """The complete structure in the colours of the statuses, with the forces of the last step.
 
     What it warns of has its edges drawn.
@@ -168,7 +168,7 @@ def summary_stage(plan: PlannedSteps, title: str, message: str, verdict: Verdict
     shown = here[contacts.block_a] & here[contacts.block_b]
     up, gravity = directions(assembly, plan.model.load)
     stage = SceneStage(
-        f"all blocks, after {counted(len(plan.steps), 'step')}", title, message, state, verdict,
+        f"all blocks, after {counted(len(plan.steps), 'step')}", title, message, state, role,
         up=up, gravity=gravity,
         layers=(
             *interface_layers(contacts, shown),
@@ -200,11 +200,11 @@ def with_robots(
 
 def _posts(model: StagedModel) -> tuple[Layer, ...]:
     """Props that are fixed blocks, as posts."""
-    at, carried = permanent(model)
+    at, prop, carried = permanent(model)
     if not len(at):
         return ()
     contacts, start = model.contacts, model.contacts.centroid[at]
-    way = np.where(contacts.block_b[at] == carried, -1.0, 1.0)[:, None] * contacts.frame[at, 0]
+    way = np.where(contacts.block_a[at] == prop, -1.0, 1.0)[:, None] * contacts.frame[at, 0]
     label = f"{counted(len(at), 'prop')}, there from the beginning"
     along = post_ways(model.assembly, carried, start, way)
     return (Layer("posts", label, LayerKind.LINES, "help", start, along, width=4.0),)

@@ -359,20 +359,18 @@ def without_help(evaluator: Evaluator, step: Step, standing: int) -> str:
     return "without help: " + "; then ".join(told) if told else ""
 
 
-def permanent(model: StagedModel) -> tuple[Ints, Ints]:
-    """Interfaces (p,) at which props that are fixed blocks carry others, and these (p,)."""
+def permanent(model: StagedModel) -> tuple[Ints, Ints, Ints]:
+    """Interfaces at which fixed blocks that are props carry others, the props, the others: (p,)."""
     contacts, prop = model.contacts, props_of(model.assembly)
     ends = np.stack([contacts.block_a, contacts.block_b], axis=1)
     at = np.flatnonzero(prop[ends].sum(axis=1) == 1)
-    return at, ends[at][~prop[ends[at]]]
+    return at, ends[at][prop[ends[at]]], ends[at][~prop[ends[at]]]
 
 
 def permanent_words(model: StagedModel, order: Collection[int]) -> str:
     """How many props are fixed blocks, and the first in an order that needs each; else empty."""
-    contacts, rank = model.contacts, {block: i for i, block in enumerate(order)}
-    first: dict[int, int] = {}
-    for at, block in zip(*permanent(model), strict=True):
-        prop = int(contacts.block_a[at] + contacts.block_b[at] - block)
+    rank, first = {block: i for i, block in enumerate(order)}, dict[int, int]()
+    for prop, block in np.stack(permanent(model)[1:], axis=1).tolist():
         if block in rank:
             first[prop] = min(first.get(prop, len(rank)), rank[block])
     names = [model.assembly.names[block] for i, block in enumerate(order) if i in first.values()]

@@ -340,7 +340,7 @@ class Plan(PlannedSteps, Answer):
         """
         model = self.model
         number = np.array([self.step_of.get(b, -1) + 1 for b in range(len(model.assembly))])
-        last = summary_stage(self, self.title, self.message, self.role.verdict)
+        last = summary_stage(self, self.title, self.message, self.role)
         stages = with_robots(self, self.rules.robots, [*step_stages(self), last])
         return Scene(
             model.assembly, model.contacts, tuple(stages), f"drystone plan: {self.told}",

@@ -200,12 +200,12 @@ class Scaffolding(Answer):
             layers=(*summary.layers, *every),
             headline=told.text,
             message=takes.text if self.works else ideal,
-            verdict=told.role.verdict,
+            role=told.role,
         )
         return replace(scene, stages=(*stages, summary))
 
     def _stage(self, number: int, stage: SceneStage) -> SceneStage:
-        """A stage with what is set up at it, and with its verdict."""
+        """A stage with what is set up at it, and with what is said of it."""
         kind, held = self.support, self.plan.steps[number].props
         items = [item for item in self.items if int(self.assembly.indices([item.block])[0]) in held]
         layers = scaffold_layers(items, kind, self.assembly)
@@ -214,14 +214,15 @@ class Scaffolding(Answer):
         if number + 1 not in self.failed or row is None:  # nothing is held, and it does not stand
             return stage
         over, verdict = int(row["overloaded"]), Verdict(row["verdict"])
+        role = Role.of(verdict)
         if verdict is Verdict.STABLE:
             said = f"{kind.words(over)} overloaded: {over} of {len(items)}"
-            verdict = Verdict.UNSTABLE
+            role = Role.BAD
         else:
             known = "does not stand" if verdict is Verdict.UNSTABLE else "not known to stand"
             said = f"{known} with {kind.words(len(items))}"
         block = stage.headline.partition(":")[0]
-        return replace(stage, headline=f"{block}: {said}", verdict=verdict)
+        return replace(stage, headline=f"{block}: {said}", role=role)
 
     def _summary(self) -> str:
         ends = "works" if self.works else f"fails at {counted(len(self.failed), 'stage')}"

@@ -221,7 +221,7 @@ class Turns(Answer):
         told = self.sentences()[-1].text
         stages = [
             *early,
-            replace(last, headline=self.title, message=told, verdict=self._role.verdict),
+            replace(last, headline=self.title, message=told, role=self._role),
         ]
         number = np.zeros(len(assembly), dtype=np.intp)
         number[[one.block for one in self.turns]] = np.arange(1, len(self.turns) + 1)

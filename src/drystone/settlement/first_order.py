@@ -262,8 +262,8 @@ class SupportResponse(Answer):
         factor = enlargement(self.assembly, motion)
         message = f"{self.result.message}; the motion is drawn {factor:.3g} times as large"
         stage = SceneStage(
-            "after", self.title, message, state_of(self.assembly), self.result.verdict,
-            layers=self._hinges(factor * motion, factor),
+            "after", self.title, message, state_of(self.assembly),
+            Role.of(self.result.verdict), layers=self._hinges(factor * motion, factor),
         )  # fmt: skip
         moved, title = self.assembly.moved(factor * motion), f"drystone: {self.title.lower()}"
         facts = self._facts()

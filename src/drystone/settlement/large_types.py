@@ -21,7 +21,6 @@ from drystone.answer import (
     SceneStage,
     Sentence,
     State,
-    Verdict,
 )
 from drystone.answer.chart import Chart, MarkKind, Marks
 from drystone.answer.drawing import interface_layers, load_layers, state_of
@@ -287,14 +286,13 @@ class LargeDisplacement(Answer):
 
     def sentences(self) -> Sequence[Sentence]:
         """Why it ends, and what was found."""
-        role = Role.UNSURE if self._verdict is None else Role.of(self._verdict)
-        return [Sentence(self.end.value.upper(), role), Sentence(self.message)]
+        return [Sentence(self.end.value.upper(), self._role or Role.UNSURE), Sentence(self.message)]
 
     @property
     def code(self) -> int:
         """0 where it stands to the end, or a displacement from which it falls was found; else 1."""
         found = self.capacity is not None and len(self.displacement) > 1
-        stands = self._verdict is Verdict.STABLE
+        stands = self._role is Role.GOOD
         return 0 if stands or (found and self.drive is not Drive.SUPPORTS) else 1
 
     def tables(self) -> Sequence[Table]:
@@ -325,13 +323,13 @@ class LargeDisplacement(Answer):
         }
 
     @property
-    def _verdict(self) -> Verdict | None:
+    def _role(self) -> Role | None:
         """Of the last state; None where a load holds it."""
         if self.end is End.FALLS:
-            return Verdict.UNSTABLE
+            return Role.BAD
         if self.drive is Drive.LOAD:
             return None
-        return Verdict.STABLE if self.end is End.REACHED else Verdict.UNDECIDED
+        return Role.GOOD if self.end is End.REACHED else Role.UNSURE
 
     @property
     def falling(self) -> Bools:
@@ -351,7 +349,7 @@ class LargeDisplacement(Answer):
         up, gravity = directions(self.assembly, self.model.load)
         stage = SceneStage(
             "all states", self.title, "; ".join([self.message, *self.model.notes]), state,
-            self._verdict, motion=path[-1], motion_name=_NAMES[self.drive],
+            self._role, motion=path[-1], motion_name=_NAMES[self.drive],
             path=path if len(path) > 1 else None, seconds=SECONDS, plays=True,
             up=up, gravity=gravity,
             layers=(

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from drystone.answer import Answer, Role, Scene, SceneStage, Sentence, State, Verdict
+from drystone.answer import Answer, Role, Scene, SceneStage, Sentence, State
 from drystone.answer.drawing import enlargement, interface_layers, load_layers, state_of
 from drystone.answer.question import directions
 from drystone.base.arrays import Floats
@@ -405,7 +405,7 @@ class Settlement(Answer):
         if factor > 1.0:
             told += f", drawn {factor:.3g} times as long"
         up, gravity = directions(assembly, model.load)
-        verdict = {Outcome.RESTS: Verdict.STABLE, Outcome.FALLS: Verdict.UNSTABLE}
+        role = {Outcome.RESTS: Role.GOOD, Outcome.FALLS: Role.BAD}
         name = path.outcome.value
         headline = f"Undecided: {name} with the {_carried(path)}"
         return SceneStage(
@@ -413,7 +413,7 @@ class Settlement(Answer):
             headline if differ else name[0].upper() + name[1:],
             f"{self.message}; {told}",
             state,
-            Verdict.UNDECIDED if differ else verdict.get(path.outcome, Verdict.UNDECIDED),
+            Role.UNSURE if differ else role.get(path.outcome, Role.UNSURE),
             motion=factor * last if moved > 0.0 else None,
             path=factor * states if moved > 0.0 and len(states) > 1 else None,
             motion_name="Settlement" if factor == 1.0 else "Settlement, enlarged",

@@ -30,7 +30,7 @@ The format (``format`` "drystone-page", ``version`` 2):
 ``section``
     Axis and place of the section that is shown first, from -1 to 1 across the model; or null.
 ``stages``
-    Each with label, headline, ``asked`` in one line, message, verdict, facts, ``state`` per block,
+    Each with label, headline, ``asked`` in one line, message, role, facts, ``state`` per block,
     the optional arrays of :class:`drystone.answer.SceneStage`, and ``layers``. ``scale``
     of a layer is how long [m] an arrow of 1 N is, ``top`` the end of its colour bar. The motion
     of a ``virtual`` one happens nowhere.
@@ -277,7 +277,7 @@ def _stage(stage: SceneStage, scene: Scene, blobs: _Blobs) -> dict[str, Any]:
         "headline": stage.headline,
         "asked": asked_line({**scene.facts, **stage.facts}, scene.made),
         "message": stage.message,
-        "verdict": stage.verdict.name if stage.verdict is not None else None,
+        "role": stage.role.value if stage.role is not None else None,
         "facts": list(stage.facts.items()),
         "virtual": stage.motion_name == VIRTUAL,
         "motionName": stage.motion_name,

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from drystone.answer import Answer
+from drystone.answer import Answer, Role
 from drystone.answer.chart import Chart
 from drystone.answer.question import asked_line
 from drystone.answer.scene import (
@@ -30,7 +30,6 @@ from drystone.base.settings import checked_call
 from drystone.base.units import quantity
 from drystone.contacts import Contacts
 from drystone.geometry.frames import unit
-from drystone.results import Verdict
 from drystone.view.exploded import taken_apart
 from drystone.view.ink import ADDED_OPACITY, as_seen, draw_blocks, draw_layer, draw_motion
 from drystone.view.palette import (
@@ -54,9 +53,9 @@ if TYPE_CHECKING:
     from matplotlib.text import Text
 
 
-_VERDICT_COLOUR = {
-    "light": {Verdict.STABLE: "#00664b", Verdict.UNSTABLE: "#a33c00", None: "#6a5200"},
-    "dark": {Verdict.STABLE: "#4fd1ab", Verdict.UNSTABLE: "#ff9a5c", None: "#f0d24a"},
+_HEADLINE_COLOUR = {
+    "light": {Role.GOOD: "#00664b", Role.BAD: "#a33c00", Role.UNSURE: "#6a5200"},
+    "dark": {Role.GOOD: "#4fd1ab", Role.BAD: "#ff9a5c", Role.UNSURE: "#f0d24a"},
 }
 
 
@@ -113,9 +112,9 @@ def draw_gravity(figure: Figure, sheet: Sheet) -> None:
 
 def write_title(figure: Figure, sheet: Sheet, *, plain: bool = False) -> list[Text]:
     """The headline; and unless ``plain`` what was asked, and the message, whole."""
-    scene, stage, known = sheet.scene, sheet.stage, _VERDICT_COLOUR[sheet.theme]
+    scene, stage, known = sheet.scene, sheet.stage, _HEADLINE_COLOUR[sheet.theme]
     ink = ROLE_COLOUR[sheet.theme]["edge"]
-    colour = known.get(stage.verdict, known[None]) if stage.verdict else ink
+    colour = known.get(stage.role, ink) if stage.role else ink
     width, height = figure.get_size_inches()
     letters = 15.0 if figure.axes == [sheet.axes] else 11.0  # of an inch, up to the colour bar
     characters = max(20, int(width * letters))

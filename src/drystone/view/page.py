@@ -226,7 +226,7 @@ def save_page(
 
 @dataclass(frozen=True)
 class Addition:
-    """Additions to the common parts of every page.
+    """What the page of a server has beside the common parts; it may connect to its own server.
 
     Attributes
     ----------
@@ -234,14 +234,11 @@ class Addition:
         HTML above the other controls.
     style, script
         After those of every page, in the same scope.
-    connects
-        Whether the page may connect to its own server; no other connection is allowed.
     """
 
     controls: str = ""
     style: str = ""
     script: str = ""
-    connects: bool = False
 
 
 def page_text(scene: Scene) -> str:
@@ -260,7 +257,7 @@ def page_of_data(data: str, title: str, aside: str = "", added: Addition | None 
     aside
         HTML for the panel beside the model.
     added
-        Additions of this kind of page.
+        Where it is served; no other page connects to anything.
     """
     static = resources.files("drystone.view").joinpath("static")
     more = Addition() if added is None else added
@@ -270,7 +267,7 @@ def page_of_data(data: str, title: str, aside: str = "", added: Addition | None 
 
     page = read("page.html")
     for mark, text in (
-        ("CONNECT", "; connect-src 'self'" if more.connects else ""),
+        ("CONNECT", "; connect-src 'self'" if added is not None else ""),
         ("/*STYLE*/", read("page.css") + more.style),
         ("/*SCRIPT*/", "\n".join([*(read(name) for name in SCRIPTS), more.script])),
         ("TITLE", html.escape(title)),

@@ -679,7 +679,7 @@ def test_what_stands_where_the_search_ends_is_told_as_a_bound() -> None:
     told = "Does not stand under the load as given, only up to load factor 0.11771"
     assert short.title == told
     assert (short.news, short.code) == (Role.UNSURE, 0)
-    assert short.layers().stages[0].verdict is Verdict.UNSTABLE  # its headline is not green
+    assert short.layers().stages[0].role is Role.UNSURE  # its headline is not green
     assert limit_friction(tower(2)).title == "Stands down to friction 0"
     swept = tilt_sweep(tower(2), 2, upper=5.0)
     told = "Stands up to 5 degrees at least, where the search ends, towards each of 2 directions"

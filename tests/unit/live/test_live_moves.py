@@ -234,7 +234,7 @@ def test_of_many_blocks_coarse_steps_give_the_forces_at_once() -> None:
             found = at_once(made.moving, steps)
         normal.append(found.result.resultants.normal)
     assert found.stage.headline.startswith("Supports moved by 100 µm, in coarse steps")
-    assert found.stage.verdict is None
+    assert found.stage.role is None
     fine = move_supports(model, {FOOT: (1e-4, 0.0, 0.0)}).states[-1].resultants.normal
     assert np.linalg.norm(fine - normal[0]) > 0.01 * np.linalg.norm(fine)
     assert np.linalg.norm(fine - normal[-1]) < 0.002 * np.linalg.norm(fine)
@@ -275,13 +275,13 @@ def test_where_no_coarse_step_is_found_blocks_are_shown_as_they_followed_before(
     made = asked(model, wish_of(moves=[{"block": name, "by": [0.0, 0.0, -0.1]}]))
     found = at_once(made.moving)
     assert found.stage.headline == "Supports moved by 100 mm: the blocks are being followed"
-    assert found.stage.verdict is None
+    assert found.stage.role is None
     np.testing.assert_allclose(found.stage.motion[0], [0, 0, -0.1, 0, 0, 0])
     assert not found.stage.motion[1:].any()
     before = np.tile([0.0, 0.0, -0.05, 0.0, 0.0, 0.0], (60, 1))  # of a tower that sinks as a whole
     after = at_once(made.moving, before=before)
     np.testing.assert_allclose(after.stage.motion, 2.0 * before)
-    assert after.stage.verdict is None
+    assert after.stage.role is None
 
 
 def test_blocks_are_shown_while_they_follow(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -296,7 +296,7 @@ def test_blocks_are_shown_while_they_follow(monkeypatch: pytest.MonkeyPatch) -> 
     assert ways == sorted(ways)
     np.testing.assert_allclose([one.stage.motion[0, 2] for one in seen], -np.array(ways), atol=1e-5)
     assert ways[-1] == pytest.approx(-last.stage.motion[-1, 2], rel=1e-3)
-    assert all(one.stage.verdict is None and one.moved for one in seen)
+    assert all(one.stage.role is None and one.moved for one in seen)
     assert seen[0].stage.headline.endswith("so far: the blocks are being followed")
 
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from drystone import Assembly, models
+from drystone.answer import Role
 from drystone.models import arch
-from drystone.results import Verdict
 from drystone.sequence import Plan, PlanOptions, Rules, ScaffoldOptions, plan, scaffolding
 
 
@@ -48,11 +48,11 @@ def test_a_stage_that_slides_off_its_centring_is_not_shown_to_stand(found: Plan)
     made, ideal = scaffolding(found, "centring", options=smooth), found.layers()
     scene = made.layers()
     assert made.failed == (3, 4)
-    fails = [stage.verdict is not Verdict.STABLE for stage in scene.stages]
+    fails = [stage.role is not Role.GOOD for stage in scene.stages]
     assert fails == [i in made.failed for i in range(1, len(found.steps) + 1)] + [True]
     assert scene.stages[2].headline == "Step 3 of 5: does not stand with centring"
     assert scene.stages[-1].headline.startswith("Not every stage stands with centring")
-    assert all(stage.verdict is Verdict.STABLE for stage in ideal.stages[:-1])
+    assert all(stage.role is Role.GOOD for stage in ideal.stages[:-1])
 
 
 @pytest.mark.parametrize(("kind", "mark"), [("clamp", "1 clamp"), ("centring", "1 centring")])
@@ -63,10 +63,10 @@ def test_clamps_and_centring_are_drawn_and_every_stage_stands(
     scene = made.layers()
     for answer in (made, found):  # the title and the colour of the picture are those of the answer
         last, first = answer.layers().stages[-1], answer.sentences()[0]
-        assert (last.headline, last.verdict) == (answer.title, first.role.verdict)
+        assert (last.headline, last.role) == (answer.title, first.role)
     labels = [layer.label for stage in scene.stages for layer in stage.layers]
     assert mark in labels
-    assert all(stage.verdict is Verdict.STABLE for stage in scene.stages)
+    assert all(stage.role is Role.GOOD for stage in scene.stages)
 
 
 def test_a_strut_that_carries_too_much_is_named(found: Plan) -> None:

@@ -10,7 +10,6 @@ from drystone.detection import find_contacts
 from drystone.model import Model
 from drystone.models import arch, box, bridge, corbelled_bridge, prism, tower
 from drystone.report import save_instructions
-from drystone.results import Verdict
 from drystone.sequence import Plan, PlanOptions, Robot, Rules, Status, handling, plan
 from drystone.view import State, page_text
 from drystone.view.encode import encode
@@ -155,7 +154,7 @@ def test_stages_and_blocks_are_numbered_alike_and_each_block_comes_in_along_its_
     scene = planned.layers()
     rows = planned.table()
     assert planned.sentences()[0].role is Role.UNSURE  # two props: the title has its colour
-    assert scene.stages[-1].verdict is Verdict.UNDECIDED
+    assert scene.stages[-1].role is Role.UNSURE
     assert max(rows["step"]) < len(rows["step"])  # some steps place several blocks
     for name, position, stage in zip(rows["block"], rows["step"], scene.stages[:-1], strict=True):
         (block,) = np.flatnonzero(np.linalg.norm(stage.motion, axis=1))

@@ -96,7 +96,7 @@ def test_the_headline_says_the_verdict_and_how_many_fall() -> None:
     stage = page_data(page_text(scene_of(falling_tower())))["stages"][0]
     assert stage["headline"] == "Falls: block 'top'"
     assert stage["message"] == "The top falls."
-    assert stage["verdict"] == "UNSTABLE"
+    assert stage["role"] == "bad"
 
 
 def test_only_props_worth_having_are_shown() -> None:

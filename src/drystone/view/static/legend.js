@@ -110,7 +110,7 @@ function colourBar(layer, stops) {
 function showHeader(data, stage) {
   const headline = document.getElementById("headline");
   headline.textContent = stage.headline || data.title;
-  headline.className = stage.verdict ?? "";
+  headline.className = stage.role ?? "";
   const facts = [...new Map([...data.facts, ...stage.facts])];
   // No line begins with a dot, and no date and no version is broken.
   document.getElementById("asked").textContent = stage.asked.replaceAll(" \u00b7", "\u00a0\u00b7")
