@@ -14,12 +14,12 @@ from drystone.base.display import named
 from drystone.base.errors import InputError
 from drystone.base.progress import Clock, Stopped
 from drystone.base.units import mass
-from drystone.design.bench import Bench, Near, Tried
+from drystone.design.bench import Bench, KnownNeeds, Near, Tried
 from drystone.design.changed import Changed, Kept, free_mass
 from drystone.design.changes import Change
 from drystone.design.diagnosis import Region
 from drystone.design.margin import DesignMargin
-from drystone.design.mend_kinds import KnownNeeds, holding
+from drystone.design.mend_kinds import holding
 from drystone.design.search import bracket, least
 from drystone.model import Model
 from drystone.results import Result, Verdict

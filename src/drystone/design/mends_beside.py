@@ -1,0 +1,219 @@
+"""What may stand beside the blocks of a region to hold it: a block below, props, ties."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import partial
+from typing import TypeAlias
+
+import numpy as np
+
+from drystone.base.arrays import Floats, Ints, lengths
+from drystone.base.display import rounded_up
+from drystone.base.errors import counted
+from drystone.base.units import quantity
+from drystone.checks import first_motion_of
+from drystone.design.bench import Bench, Held, KnownNeeds, Proposals, Take, Tries
+from drystone.design.changes import Change, block_added, props_at
+from drystone.design.margin import SMALL_REGION, DesignMargin, quick_check
+from drystone.design.needs import props_of
+from drystone.design.props import PropSeat, carries, find_props, struts
+from drystone.design.search import least
+from drystone.design.words import force_words, listed, names_of, place
+from drystone.loads import LoadCase
+from drystone.model import Model
+from drystone.ties import tied
+
+_FIRST = 6
+"""Number of struts of one block that are tried, the shortest first, and of pairs of blocks between
+which a tie is tried: those that move apart fastest, that with the least pull times length by
+virtual work first, and of equal ones that nearest the middle of the region."""
+
+_TIES = 4
+"""Number of ties that are tried together in a region. Chosen: two arches under a beam need two."""
+
+
+def support(asked: KnownNeeds) -> Proposals:
+    """A block below that fits between a block of the region and another one."""
+    bench, changes = asked.bench, []
+    for i, whole in enumerate(bench.region):
+        for length, on, body in struts(bench.model, whole, bench.motion[i])[:_FIRST]:
+            size = f"a block of {body.volume:.3g} m3, {length:.3g} m long,"
+            ends = " and ".join(names_of(bench.model, [end]) for end in (on, whole))
+            words = f"{size} between {ends}"
+            change = Change.single("support", block_added(body), words, length, added=1)
+            changes.append(replace(change, beyond=() if on in bench.blocks else (on,)))
+    why = f"{len(changes)} blocks that fit were tried, the shortest first"
+    if not changes:
+        why = "no block fits between it and another one"
+        if "ground" not in bench.model.assembly:
+            why += "; the supports 'ground' lay a plane below, on which one may stand"
+    yield Tries(changes, why, Take.FIRST)
+
+
+def prop(asked: KnownNeeds) -> Proposals:
+    """One prop, with the least force; else a few props that hold the region together."""
+    bench, found = asked.bench, asked.needs.props
+    if bench.large:
+        found = props_of(bench, asked.needs)
+    elif asked.known:
+        at = np.zeros(len(bench.model), dtype=np.intp)
+        at[list(bench.region)] = bench.own
+        found = found.renumbered(at)
+    else:
+        first = bench.own[:SMALL_REGION]
+        found = find_props(bench.local, bench.own, bench.motion, bench.stop, single=first)
+    seats = [one.seat for one in found.props]
+    if not seats:
+        yield f"no prop holds it: tried were {found.tried}"
+        return
+
+    words = partial(_prop_words, bench, seats)
+    told = partial(_by_force, bench, len(seats), words)
+    for smooth, why in ((True, ""), (False, "the best props do not keep the margin")):
+        change = Change.single("prop", props_at(seats, smooth=smooth), "", added=len(seats))
+        yield Tries([change], why, last=True, told=told)
+
+
+_TOLD = 4
+"""Props of a mend that are told. Chosen: 26 filled a screen and covered the picture."""
+
+
+def _prop_words(bench: Bench, seats: Sequence[PropSeat], forces: Floats, points: Floats) -> str:
+    """Props with their forces [N] and places [m] as text; equal forces are told once.
+
+    Of many the largest: the mended model has a block for each.
+    """
+    each, model, where = [force_words(force) for force in forces], bench.local, list[str]()
+    for seat, force, point in zip(seats, forces, points, strict=True):
+        side = "under" if carries(model, seat.block, force) else "against"
+        where.append(f"{side} {names_of(model, [seat.block])} at {place(point)}")
+    if len(seats) > 1 and len(set(each)) == 1:
+        return f"{len(seats)} props: each of {each[0]}, {', '.join(where)}"
+    told = [f"{force} {at}" for force, at in zip(each, where, strict=True)]
+    if len(told) > _TOLD:
+        order = np.argsort(-lengths(forces), kind="stable")
+        told = [told[i] for i in order[: _TOLD - 1]]
+        told.append(f"and {len(seats) - len(told)} with less")
+    some = ", ".join(told)
+    if len(seats) > 1:
+        return f"{len(seats)} props: {some}"
+    return f"a prop of {some}{_steady(bench, seats[0].block, forces[0], points[0])}"
+
+
+def _by_force(
+    bench: Bench, count: int, words: Callable[[Floats, Floats], str], change: Change
+) -> Held:
+    """A change told by the forces [N] of its last joints at the margin."""
+    make = change.make(0.0)
+    forces, points = bench.largest_forces(make, count)
+    told, total = words(forces, points), float(np.linalg.norm(forces, axis=1).sum())
+    if bench.margin != DesignMargin():
+        told += ": the largest force at the margin"
+    return Change.single(change.kind, make, told, total, added=change.added), total
+
+
+def _steady(bench: Bench, block: int, force: Floats, point: Floats) -> str:
+    """The least steady force that holds a region which a prop holds that cannot give way."""
+    if bench.large or bench.margin != DesignMargin():
+        return ""
+    local = bench.local
+    push = LoadCase.point_load(local.assembly, block, force, point)
+
+    def stands(share: float) -> bool:
+        return bench.keeps_margin(local.with_load(local.load + share * push), quick=True)
+
+    share = least(stands, (1.0,))
+    size = quantity(rounded_up((share or 0.0) * math.hypot(*force), 2), "N")
+    told = f", if it does not give: size it for this; the least steady force there is {size}"
+    return told if share else ""
+
+
+_Ends: TypeAlias = tuple[int, int]
+
+
+def tie(asked: KnownNeeds) -> Proposals:
+    """Ties between the centroids of two blocks that move apart: they pull, and never press.
+
+    One, else more: each between those that move apart fastest with the ties before it.
+    """
+    bench, local = asked.bench, asked.bench.local
+    centroid, size = local.assembly.centroid, local.assembly.size.max()
+    apart = _apart(bench, bench.motion)
+    if not apart:
+        yield "no blocks move apart"
+        return
+    fastest = max(rate for rate, _ in apart)
+
+    def bulk(pair: tuple[float, _Ends]) -> tuple[float, float]:
+        rate, (i, j) = pair
+        far = float(np.linalg.norm(centroid[i] - centroid[j]))
+        return round(far / size * fastest / rate, 6), _off(bench, pair[1])
+
+    def make(ties: tuple[_Ends, ...], model: Model, blocks: Ints, _: Ints) -> Model:
+        for i, j in ties:
+            model = tied(model, int(blocks[i]), int(blocks[j]))
+        return model
+
+    def words(ties: tuple[_Ends, ...], forces: Floats, _: Floats) -> str:
+        told = []
+        for (i, j), force in zip(ties, forces, strict=True):
+            far, pull = np.linalg.norm(centroid[i] - centroid[j]), math.hypot(*force)
+            between = f"the middles of {names_of(local, [i, j])}, {far:.3g} m apart"
+            told.append(f"{quantity(pull, 'N')} between {between}")
+        several = f"{len(told)} ties that pull" if len(told) > 1 else "a tie that pulls"
+        return f"{several} {listed(told)}"
+
+    def tries(several: list[tuple[_Ends, ...]], why: str) -> Tries:
+        of = {
+            Change.single("tie", partial(make, ties), "", added=len(ties)): ties for ties in several
+        }
+
+        def told(change: Change) -> Held:
+            return _by_force(bench, len(of[change]), partial(words, of[change]), change)
+
+        return Tries(list(of), why, Take.FIRST, told=told)
+
+    first = sorted(apart[:_FIRST], key=bulk)
+    why = f"a tie between blocks that move apart, of {counted(len(first), 'pair')}"
+    several: list[tuple[_Ends, ...]] = [(ends,) for _, ends in first]
+    ties: tuple[_Ends, ...] = ()
+    for count in range(2, _TIES + 2):
+        failed = len(bench.tried)
+        yield tries(several, why)
+        if len(bench.tried) == failed or bench.large or not apart or count > _TIES:
+            return
+        ties = (*ties, apart[0][1])
+        made = make(ties, local, np.arange(len(local)), np.arange(0))
+        fallen = quick_check(bench.holds(made, bench.margin).model, bench.stop)
+        if fallen.prop is None:
+            return
+        apart = _apart(bench, first_motion_of(fallen.model, fallen.prop), ties)
+        several, why = [(*ties, ends) for _, ends in apart[:1]], f"{count} ties, each where most"
+
+
+def _apart(bench: Bench, motion: Floats, ties: tuple[_Ends, ...] = ()) -> list[tuple[float, _Ends]]:
+    """Pairs of blocks that move apart, the fastest first, of equal ones that nearest the middle."""
+    local, own = bench.local.assembly, bench.own
+    used = [i for ends in ties for i in ends]
+    velocity = np.where(local.fixed[:, None], 0.0, motion[:, :3])
+    found: list[tuple[float, _Ends]] = []
+    for i in own:
+        along = local.centroid - local.centroid[i]
+        size = np.linalg.norm(along, axis=1)
+        rate = ((velocity - velocity[i]) * along).sum(axis=1) / np.where(size > 0.0, size, 1.0)
+        rate[[j for j in own if j <= i]] = 0.0  # each pair once
+        rate[used] = 0.0
+        if i not in used:
+            found += [(float(rate[j]), (i, int(j))) for j in np.flatnonzero(rate > 0.0)]
+    most = max((rate for rate, _ in found), default=1.0)
+    return sorted(found, key=lambda pair: (-round(pair[0] / most, 6), _off(bench, pair[1])))
+
+
+def _off(bench: Bench, ends: _Ends) -> float:
+    """How far the middle of two blocks is from that of the region."""
+    centroid = bench.local.assembly.centroid
+    way = centroid[list(ends)].mean(axis=0) - centroid[bench.own].mean(axis=0)
+    return float(np.linalg.norm(way))
