@@ -27,7 +27,7 @@ import drystone
 from drystone import Assembly, io
 from drystone.base.arrays import Floats
 from drystone.detection import find_contacts
-from drystone.geometry.polygon import area_vectors
+from drystone.geometry.frames import area_vectors
 from drystone.model import Model
 from drystone.models import cube_curve, curve_three_blocks, random_pack, wall
 

@@ -18,7 +18,7 @@ import numpy as np
 
 from benchmarks.shims.compatible import compatible_motion
 from drystone.base.errors import InputError, MissingDependency
-from drystone.base.progress import Clock
+from drystone.base.settings import Clock
 from drystone.checks import check_forces
 from drystone.formulations.corner_forces import FrictionCone
 from drystone.formulations.equilibrium import solve_equilibrium

@@ -28,11 +28,10 @@ from benchmarks.tables import write_table
 from drystone import Assembly, LoadCase, Model, settle
 from drystone.base.arrays import Bools, Floats, Ints, cross
 from drystone.geometry.frames import rotations
-from drystone.mechanics.bodies import Bodies, build_bodies
+from drystone.mechanics.bodies import BlockPositions, Bodies, build_bodies, place_corners
 from drystone.mechanics.corners import Ends
 from drystone.mechanics.law import respond
-from drystone.mechanics.positions import BlockPositions, place_corners
-from drystone.models.solids import prism
+from drystone.models.simple import prism
 from drystone.settlement import Carrier, Outcome, SettlementOptions
 
 OVERLAP, TANGENTIAL = 1e-5, SettlementOptions().tangential

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from drystone import Block
-from drystone.geometry.polygon import area_vector
+from drystone.geometry.frames import area_vector
 
 
 class Entities:

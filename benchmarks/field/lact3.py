@@ -14,7 +14,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from drystone import Assembly
-from drystone.models.solids import prism
+from drystone.models.simple import prism
 
 DEPTH = 0.2
 """[m], ours."""

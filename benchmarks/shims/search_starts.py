@@ -23,7 +23,7 @@ from benchmarks.shims.stiffness_range import (
     with_reduced_ratio,
 )
 from drystone.base.arrays import Bools, Floats
-from drystone.base.progress import Clock
+from drystone.base.settings import Clock
 from drystone.base.workers import WorkerPool
 from drystone.formulations.corner_forces import FrictionCone
 from drystone.formulations.equilibrium import solve_equilibrium

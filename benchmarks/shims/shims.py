@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from benchmarks.shims.search_starts import SLIDE_LIMIT, StateSearch
 from drystone import CheckOptions, Model, check
-from drystone.base.progress import Clock
+from drystone.base.settings import Clock
 from drystone.checks import check_forces
 from drystone.stability.problem import Problem
 

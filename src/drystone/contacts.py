@@ -24,8 +24,8 @@ from drystone.base.arrays import (
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
 from drystone.base.ragged import Ragged, sum_by_owner
-from drystone.geometry import facets, polygon
-from drystone.geometry.frames import frames_from_normals
+from drystone.geometry import facets
+from drystone.geometry.frames import frames_from_normals, tributary_areas
 from drystone.joint_capacity import DRY, NO_LIMIT, JointCapacity
 
 DEFAULT_FRICTION = 0.6
@@ -217,7 +217,7 @@ class Contacts(OneLine):
         Points and lines enclose none: they have what is given, not the rounding of a polygon.
         """
         count = self.corners.counts[self.interface]
-        share = polygon.tributary_areas(self.point, self.start)
+        share = tributary_areas(self.point, self.start)
         return frozen(np.where(count > 2, share, self.area[self.interface] / count))
 
     @cached_property

@@ -10,8 +10,7 @@ import shapely
 
 from drystone.base.arrays import Floats, frozen
 from drystone.base.display import OneLine
-from drystone.geometry.frames import frames_from_normals
-from drystone.geometry.polygon import area_vector
+from drystone.geometry.frames import area_vector, frames_from_normals
 from drystone.model import Model
 
 NEAR = 0.01

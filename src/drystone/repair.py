@@ -15,7 +15,7 @@ from drystone.base.errors import InputError, counted
 from drystone.base.settings import hold
 from drystone.geometry import coincidence
 from drystone.geometry.coincidence import first_coincident
-from drystone.geometry.polygon import area_vector
+from drystone.geometry.frames import area_vector
 from drystone.geometry.polyhedron import (
     Loop,
     enclosed_volume,

@@ -13,8 +13,7 @@ import drystone
 from drystone import Assembly, LoadCase, Model, check, limit_load, limit_tilt
 from drystone.io.opening import as_model
 from drystone.loads import Fill
-from drystone.loads.applied import common_acceleration
-from drystone.loads.earthquake import Shaken, with_shaken_weights
+from drystone.loads.applied import Shaken, common_acceleration, with_shaken_weights
 from drystone.models import box, segmental_bridge, tower
 from drystone.report import write_report
 from drystone.seismic import local_mechanism

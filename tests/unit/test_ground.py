@@ -13,8 +13,7 @@ from drystone.loads import Earth, Fill, LoadCase
 from drystone.loads.fill import Tops
 from drystone.loads.seen_strips import SeenStrips
 from drystone.models import barrel_vault, buttressed_arch, dome, segmental_bridge, tower
-from drystone.models.simple import box
-from drystone.models.solids import prism, welded
+from drystone.models.simple import box, prism, welded
 from drystone.report.sketches import dimensions_picture
 from drystone.view import scene_of
 

@@ -13,7 +13,7 @@ import pytest
 
 import drystone
 from drystone import design, detection, fall, limits, models, sequence, settlement, stability
-from drystone.base.progress import KEYWORDS, Clock
+from drystone.base.settings import KEYWORDS, Clock
 from drystone.base.workers import WorkerPool
 
 NOT_LONG = {"read"}

@@ -21,7 +21,7 @@ from drystone.limits import LimitOptions, limit_train
 from drystone.loads import Fill, LoadCase, Train
 from drystone.loads.fill import Tops
 from drystone.models import box, segmental_bridge
-from drystone.models.solids import prism
+from drystone.models.simple import prism
 from drystone.settlement import Outcome, push
 
 FILL = Fill(cover=0.5, weight=20e3, k=0.3, passive=3.0)

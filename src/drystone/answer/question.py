@@ -19,9 +19,8 @@ from drystone.base.version import commit, version
 from drystone.contacts import Contacts
 from drystone.joint_capacity import DRY
 from drystone.loads import LoadCase
-from drystone.loads.applied import applied_loads, common_acceleration
+from drystone.loads.applied import Shaken, applied_loads, common_acceleration
 from drystone.loads.case import STANDARD_GRAVITY
-from drystone.loads.earthquake import Shaken
 from drystone.model import Model
 from drystone.supports import UP as VERTICAL
 from drystone.supports import bounds_above_ground, own_blocks

@@ -21,7 +21,7 @@ import numpy as np
 from drystone.base.display import shortened
 from drystone.base.errors import FormatError
 from drystone.base.files import PathLike, digest, plain_target, read_bytes, unwritable
-from drystone.base.progress import Workers
+from drystone.base.settings import Workers
 from drystone.base.workers import WorkerPool
 
 _LOG = logging.getLogger(__name__)

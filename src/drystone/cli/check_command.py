@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Annotated
 
-from drystone.cli import mend_command, options
+from drystone.cli import mend_command, offered
 from drystone.cli.command import command
 from drystone.cli.model_input import HOW, SHOWN, Subject
 from drystone.cli.offered import Analysis, Option
@@ -29,7 +29,7 @@ class Checked(Subject):
 class CheckFiles(Written):
     """The files of a check; the help shows the report too."""
 
-    report: options.Report = None
+    report: offered.Report = None
 
 
 def solve(
@@ -85,7 +85,7 @@ def check(
             expert=True,
         ),
     ] = False,
-    time_limit: options.TimeLimit = None,
+    time_limit: offered.TimeLimit = None,
     wanted: CheckFiles,
     waiting: Waiting,
 ) -> Told:

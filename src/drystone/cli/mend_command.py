@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from drystone.base.errors import InputError, counted
-from drystone.cli import kinds, options
+from drystone.cli import kinds, offered
 from drystone.cli.command import command
 from drystone.cli.model_input import Source, Subject
 from drystone.cli.offered import OUTPUT, Analysis, Of, Option
@@ -65,7 +65,7 @@ def mend(
             expert=True,
         ),
     ] = None,
-    time_limit: options.TimeLimit = None,
+    time_limit: offered.TimeLimit = None,
     wanted: WithModel,
     waiting: Waiting,
 ) -> Told:
@@ -264,7 +264,7 @@ def cut(
         str | None, Option("The block that is cut (the only one).", metavar="NAME")
     ] = None,
     out: Annotated[Path | None, Option("Write the blocks.", OUTPUT, kind=kinds.MODEL_FILE)] = None,
-    html: options.Html = None,
+    html: offered.Html = None,
     waiting: Waiting,
 ) -> Told:
     """Cut a monolith from the bottom up into blocks that are placed one by one without help.

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from drystone.base import units
 from drystone.base.errors import InputError, MissingDependency, counted
-from drystone.cli import families, kinds, options
+from drystone.cli import families, kinds, offered
 from drystone.cli.check_command import solve
 from drystone.cli.command import command
 from drystone.cli.kinds import output_path
@@ -122,7 +122,7 @@ def _one_family(values: dict[str, Any]) -> Answer:
 @command("drystone demo", "drystone demo --friction 0.3 --folder .")
 def demo(
     *,
-    friction: options.Friction = None,
+    friction: offered.Friction = None,
     folder: Annotated[
         Path, Option("Folder for the model, the page and the figure.", OUTPUT, kind=kinds.FOLDER)
     ] = Path(),

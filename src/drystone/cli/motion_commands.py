@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from drystone.base.errors import InputError
-from drystone.cli import kinds, options
+from drystone.cli import kinds, offered
 from drystone.cli.check_command import solve
 from drystone.cli.command import command
 from drystone.cli.model_input import Subject
@@ -54,7 +54,7 @@ def settle(
         SupportResponseOptions,
         Of("drystone.settlement.SupportResponseOptions", ("compliance",)),
     ],
-    time_limit: options.TimeLimit = None,
+    time_limit: offered.TimeLimit = None,
     wanted: Written,
     waiting: Waiting,
 ) -> Told:
@@ -126,8 +126,8 @@ def fall(
     no_check: Annotated[
         bool, Option("Leave out the check, whose first motion starts the film.", expert=True)
     ] = False,
-    html: options.Html = None,
-    section: options.Section = None,
+    html: offered.Html = None,
+    section: offered.Section = None,
     glb: Annotated[
         Path | None,
         writes("Write the film as an animated GLB.", ".glb"),

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from drystone.base import units
 from drystone.base.display import differing
 from drystone.base.errors import InputError
-from drystone.cli import kinds, options
+from drystone.cli import kinds, offered
 from drystone.cli.command import command
 from drystone.cli.model_input import Subject
 from drystone.cli.offered import OUTPUT, Analysis, Of, Option, writes
@@ -93,8 +93,8 @@ def scaffold(
             flags={"scaffold_options.longest": "--length"},
         ),
     ],
-    csv: options.Csv = None,
-    time_limit: options.TimeLimit = None,
+    csv: offered.Csv = None,
+    time_limit: offered.TimeLimit = None,
     waiting: Waiting,
 ) -> Told:
     """Plan a model with each kind of scaffolding in each order, and compare what it takes.
@@ -188,7 +188,7 @@ def dataset(
 class PlanFiles(WithFilm):
     """The files of a plan."""
 
-    cad: options.Cad = None
+    cad: offered.Cad = None
     work: Annotated[
         Path | None,
         writes(
@@ -351,8 +351,8 @@ def plan(
         Option("Plan at these friction coefficients as well.",
                kind=kinds.OptionKind("MU,MU,...", _numbers), expert=True),
     ] = None,
-    workers: options.Workers = 1,
-    time_limit: options.TimeLimit = None,
+    workers: offered.Workers = 1,
+    time_limit: offered.TimeLimit = None,
     checkpoint: Annotated[
         Path | None,
         Option("File with which an interrupted search continues.", kind=kinds.target(),

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from drystone.base.display import differing
 from drystone.base.errors import InputError, located
-from drystone.cli import families, kinds, options
+from drystone.cli import families, kinds, offered
 from drystone.cli.check_command import safe, solve
 from drystone.cli.command import command
 from drystone.cli.model_input import HOW
@@ -67,7 +67,7 @@ class SearchRequest:
             metavars={"margin": "WHAT"},
         ),
     ] = None  # type: ignore[assignment]  # made by the command
-    workers: options.Workers = 1
+    workers: offered.Workers = 1
     store: Annotated[
         Path | None,
         Option(
@@ -169,7 +169,7 @@ def tune(
         Path | None,
         writes("Draw the trials and the front: .png, .svg or .pdf.", ".png", ".svg", ".pdf"),
     ] = None,
-    time_limit: options.TimeLimit = None,
+    time_limit: offered.TimeLimit = None,
     waiting: Waiting,
 ) -> Told:
     """Search for the parameters with which a family of structures stands and is best.
@@ -229,7 +229,7 @@ def shell(
     ] = False,
     search: Annotated[SearchRequest, Experts(but=("vary",))],
     reading: Annotated[Analysis, HOW(("friction", "ends"), shown=("friction",))],
-    time_limit: options.TimeLimit = None,
+    time_limit: offered.TimeLimit = None,
     out: Annotated[
         Path | None,
         Option("Write the blocks.", OUTPUT, kind=kinds.MODEL_FILE),

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from drystone.base.display import shortened
 from drystone.base.errors import InputError, counted
-from drystone.cli import families, kinds, options
+from drystone.cli import families, kinds, offered
 from drystone.cli.command import command
 from drystone.cli.model_input import Subject
 from drystone.cli.offered import OUTPUT, Argument, Of, Option, writes
@@ -44,17 +44,17 @@ def study(
         Path | None,
         writes("Keep each row in a file, with which work that was ended goes on.", ".jsonl"),
     ] = None,
-    csv: options.Csv = None,
-    png: options.Png = None,
+    csv: offered.Csv = None,
+    png: offered.Png = None,
     map: Annotated[
         Path | None,
         writes(
             "Draw the first two parameters as a map, .png, .svg or .pdf.", ".png", ".svg", ".pdf"
         ),
     ] = None,
-    html: options.Html = None,
-    workers: options.Workers = 1,
-    time_limit: options.TimeLimit = None,
+    html: offered.Html = None,
+    workers: offered.Workers = 1,
+    time_limit: offered.TimeLimit = None,
     waiting: Waiting,
 ) -> Told:
     """Check models, or find a limit, over a table of parameters.
@@ -193,8 +193,8 @@ def report(
         TitleBlock,
         Of("drystone.report.TitleBlock", shown=("project", "author"), group=OUTPUT),
     ],
-    title_block: options.TitleBlock = None,
-    time_limit: options.TimeLimit = None,
+    title_block: offered.TitleBlock = None,
+    time_limit: offered.TimeLimit = None,
     waiting: Waiting,
 ) -> Told:
     """Write a calculation report: input, loads, method, verdict, proof and hand checks.

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 from drystone.base.errors import DrystoneError, FormatError, InputError, require
 from drystone.base.files import same_place, write_text, write_together
-from drystone.cli import kinds, options, output
+from drystone.cli import kinds, offered, output
 from drystone.cli.offered import OUTPUT, Option, writes
 from drystone.cli.output import LISTED, Screen, grouped
 from drystone.cli.waiting import NOTHING, Waiting
@@ -192,13 +192,13 @@ def finish(answer: Told, waiting: Waiting, as_json: bool) -> Callable[[], int]:
 class Pictures:
     """The page, the figure, the file for CAD programs and the table: every answer has them."""
 
-    html: options.Html = None
-    png: options.Png = None
-    section: options.Section = None
-    cad: options.RareCad = None
-    csv: options.Csv = None
-    report: options.RareReport = None
-    title_block: options.RareTitleBlock = None
+    html: offered.Html = None
+    png: offered.Png = None
+    section: offered.Section = None
+    cad: offered.RareCad = None
+    csv: offered.Csv = None
+    report: offered.RareReport = None
+    title_block: offered.RareTitleBlock = None
 
     def __post_init__(self) -> None:
         every = [getattr(self, one.name) for one in fields(self)]
@@ -280,7 +280,7 @@ class WithFilm(Pictures):
 class Written(Pictures):
     """The tables of joints and of their corners too."""
 
-    cad: options.Cad = None
+    cad: offered.Cad = None
     joints: Annotated[
         tuple[Path, ...],
         Option(

@@ -20,8 +20,7 @@ from drystone.base.arrays import Bools, Floats
 from drystone.base.errors import DefectKind, InputError, require
 from drystone.base.settings import member_of
 from drystone.contacts import DEFAULT_FRICTION, Contacts
-from drystone.geometry.frames import frames_from_normals
-from drystone.geometry.polygon import area_vector
+from drystone.geometry.frames import area_vector, frames_from_normals
 from drystone.io.compas_contacts import COMPONENTS, forces_of, frame_of, joined, solved
 from drystone.io.compas_json_write import assembly_content, block_model_content
 from drystone.io.draft import Contents

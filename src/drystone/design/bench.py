@@ -12,7 +12,7 @@ import numpy as np
 from drystone.base.arrays import Floats, Ints
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
-from drystone.base.progress import Stopped
+from drystone.base.settings import Stopped
 from drystone.design.changes import Change, Surgery
 from drystone.design.margin import (
     LARGE_REGION,

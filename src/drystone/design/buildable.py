@@ -23,8 +23,7 @@ import numpy as np
 from drystone.base.arrays import Floats, Ints, frozen_floats
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
-from drystone.base.progress import Clock, LongWork
-from drystone.base.settings import Options, checked_call
+from drystone.base.settings import Clock, LongWork, Options, checked_call
 from drystone.base.workers import WorkerPool
 from drystone.contacts import DEFAULT_FRICTION
 from drystone.design.changed import Buildable, Help, Kept
@@ -35,7 +34,7 @@ from drystone.sequence import Order, Plan, PlanOptions, Rules, plan
 from drystone.sequence.rules import courses
 from drystone.sequence.stages import StagedModel, check_both
 from drystone.shells import Layout, Shape, Shell, ShellBody, build_shell
-from drystone.shells.wedge import LARGEST_WEDGE
+from drystone.shells.shell_options import LARGEST_WEDGE
 
 WEDGES = (0.02, -0.2, 0.4)
 """Wedges that are tried, the shallowest first. Half blocks at open ends lie on one below zero:

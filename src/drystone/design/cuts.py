@@ -32,8 +32,7 @@ from drystone.assembly import Assembly, Block
 from drystone.base.arrays import Bools, Floats
 from drystone.base.declared import Offered
 from drystone.base.errors import InputError, counted
-from drystone.base.progress import Clock, LongWork
-from drystone.base.settings import Options, checked_call
+from drystone.base.settings import Clock, LongWork, Options, checked_call
 from drystone.design.changed import Buildable, Help, Kept, helped
 from drystone.design.search import improved
 from drystone.design.surgery import (

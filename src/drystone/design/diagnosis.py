@@ -17,8 +17,7 @@ from drystone.answer import Answer, Layer, LayerKind, Role, Scene, Sentence
 from drystone.base.arrays import SAME, Floats, frozen, lengths, marked
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
-from drystone.base.progress import Clock, Stopped
-from drystone.base.settings import Options, checked_call
+from drystone.base.settings import Clock, Options, Stopped, checked_call
 from drystone.base.workers import WorkerPool
 from drystone.checks import first_motion_of, moving_joints
 from drystone.design import words

@@ -14,9 +14,9 @@ from drystone.base.arrays import ROUNDING, Floats, dot, frozen
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
 from drystone.design.changed_model import changed
-from drystone.detection.coplanar import EXACT
+from drystone.detection.patches import EXACT
+from drystone.geometry.frames import area_vector
 from drystone.geometry.glue import cut_cell, glue
-from drystone.geometry.polygon import area_vector
 from drystone.geometry.polyhedron import Loop, Piece
 from drystone.model import Model
 

@@ -10,8 +10,7 @@ import numpy as np
 
 from drystone.base.arrays import ROUNDING, Floats
 from drystone.base.errors import InputError
-from drystone.base.progress import Stopped
-from drystone.base.settings import Options
+from drystone.base.settings import Options, Stopped
 from drystone.geometry.frames import LEVEL_AXES, axis_words, rotation_about
 from drystone.loads import LoadCase
 from drystone.loads.placing import wrench_of_masses

@@ -14,8 +14,7 @@ from drystone.answer.chart import Chart
 from drystone.answer.scene import side_by_side
 from drystone.base.display import named, shortened
 from drystone.base.errors import InputError, counted
-from drystone.base.progress import Clock, Stop
-from drystone.base.settings import Options, checked_call
+from drystone.base.settings import Clock, Options, Stop, checked_call
 from drystone.base.workers import WorkerPool
 from drystone.design.bench import Tried
 from drystone.design.changed import Changed, Kept

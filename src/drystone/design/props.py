@@ -25,9 +25,8 @@ from drystone.formulations.corner_forces import FrictionCone
 from drystone.formulations.equilibrium import PlaneFactors
 from drystone.free_faces import FreePart, free_parts
 from drystone.geometry.convex_pieces import solid_of
-from drystone.geometry.frames import frames_from_normals, rotation_about
+from drystone.geometry.frames import area_vector, frames_from_normals, rotation_about
 from drystone.geometry.glue import cut_cell
-from drystone.geometry.polygon import area_vector
 from drystone.geometry.polyhedron import prism_faces
 from drystone.limits.bounds import scaled_wrench
 from drystone.loads import LoadCase

@@ -9,14 +9,10 @@ import numpy as np
 from scipy import sparse
 
 from drystone.base.arrays import Bools, Floats, Ints, marked
-from drystone.base.progress import Stop
 from drystone.base.ragged import linked
+from drystone.base.settings import Stop
 from drystone.design.margin import LARGE_REGION, QUICK
-from drystone.formulations.corner_forces import (
-    FrictionCone,
-    add_contact_rows,
-    add_corner_forces,
-)
+from drystone.formulations.corner_forces import FrictionCone, add_contact_rows, add_corner_forces
 from drystone.model import Model
 from drystone.programs import PenaltyOptions, solve_cra_penalty, solve_rbe
 from drystone.programs.penalty import glued_state

@@ -9,7 +9,7 @@ from typing import Any, Protocol, TypeVar
 import numpy as np
 
 from drystone.base.arrays import Floats
-from drystone.base.progress import Stop
+from drystone.base.settings import Stop
 
 _CLOSE = 0.01
 """Relative width at which a search ends that has none of its own."""

@@ -15,8 +15,7 @@ from drystone.assembly import Assembly
 from drystone.base.arrays import SAME, Floats, Ints, number
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
-from drystone.base.progress import Stop, Stopped
-from drystone.base.settings import Options
+from drystone.base.settings import Options, Stop, Stopped
 from drystone.design.changed_model import changed
 from drystone.design.margin import DesignMargin
 from drystone.design.needs import GROUND, Form

@@ -11,8 +11,7 @@ from scipy.optimize import minimize
 
 from drystone.base.arrays import ROUNDING, Floats, lengths, of_type
 from drystone.base.errors import DrystoneError, InputError, counted
-from drystone.base.progress import Clock, Stopped
-from drystone.base.settings import checked_call
+from drystone.base.settings import Clock, Stopped, checked_call
 from drystone.design.changed import Changed, Kept
 from drystone.design.mends import stands_already
 from drystone.design.needs import GROUND

@@ -16,8 +16,7 @@ from drystone.base.arrays import Bools, Floats
 from drystone.base.declared import Offered
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
-from drystone.base.progress import Clock
-from drystone.base.settings import Options, checked_call
+from drystone.base.settings import Clock, Options, checked_call
 from drystone.design.changed import Changed, Kept
 from drystone.design.joint_cut import JointPlane, joint_plane, recut
 from drystone.design.margin import DesignMargin

@@ -23,8 +23,7 @@ from drystone.base.arrays import number
 from drystone.base.display import OneLine
 from drystone.base.errors import FormatError, InputError, counted, refuse_unknown, require
 from drystone.base.journal import Journal, exactly
-from drystone.base.progress import Clock, LongWork
-from drystone.base.settings import Options, checked_call
+from drystone.base.settings import Clock, LongWork, Options, checked_call
 from drystone.base.table import Table
 from drystone.base.version import version
 from drystone.base.workers import WorkerPool

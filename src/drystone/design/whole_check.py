@@ -12,7 +12,7 @@ import numpy as np
 from drystone.base.arrays import Floats
 from drystone.base.display import named
 from drystone.base.errors import InputError
-from drystone.base.progress import Clock, Stopped
+from drystone.base.settings import Clock, Stopped
 from drystone.base.units import mass
 from drystone.design.bench import Bench, KnownNeeds, Near, Tried
 from drystone.design.changed import Changed, Kept, free_mass

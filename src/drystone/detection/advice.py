@@ -25,8 +25,7 @@ from drystone.detection.tolerances import (
     Reason,
     millimetres,
 )
-from drystone.geometry.frames import frames_from_normals
-from drystone.geometry.polygon import area_vectors
+from drystone.geometry.frames import area_vectors, frames_from_normals
 
 Pair = tuple[int, int]
 """Two blocks by their positions."""

@@ -17,8 +17,7 @@ from drystone.assembly.block import require_sound
 from drystone.base.arrays import SAME, Floats, Ints, frozen, frozen_floats
 from drystone.base.display import Card, OneLine
 from drystone.base.errors import InputError
-from drystone.base.progress import Clock, LongWork
-from drystone.base.settings import checked_call
+from drystone.base.settings import Clock, LongWork, checked_call
 from drystone.base.workers import WorkerPool
 from drystone.contacts import DEFAULT_FRICTION, Contacts, check_friction
 from drystone.detection.candidates import Pairs, most_slack, near_blocks

@@ -15,14 +15,7 @@ import numpy as np
 from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Floats, Ints, lengths, marked
 from drystone.base.ragged import BATCH, Ragged
-from drystone.detection.candidates import (
-    NEAR_BESIDE,
-    Pairs,
-    facing_patches,
-    fits,
-    reach_of_patches,
-)
-from drystone.detection.coplanar import EXACT
+from drystone.detection.candidates import NEAR_BESIDE, Pairs, facing_patches, fits, reach_of_patches
 from drystone.detection.edgecontacts import edge_contacts
 from drystone.detection.face_overlaps import (
     Overlap,
@@ -32,15 +25,9 @@ from drystone.detection.face_overlaps import (
     within,
 )
 from drystone.detection.interfaces import Interfaces, from_pieces, joined
-from drystone.detection.misses import (
-    EXPLAINED,
-    Error,
-    Inexact,
-    compared,
-    missed_of,
-)
+from drystone.detection.misses import EXPLAINED, Error, Inexact, compared, missed_of
 from drystone.detection.mortar_joints import join_by_mortar, join_warped
-from drystone.detection.patches import Patches
+from drystone.detection.patches import EXACT, Patches
 from drystone.detection.planes import NEGLIGIBLE, uncovered
 from drystone.detection.tolerances import LARGEST, DetectionOptions, EdgeContacts, Missed, Reason
 

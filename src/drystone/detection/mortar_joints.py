@@ -17,11 +17,10 @@ from drystone.assembly import Assembly, Block
 from drystone.base.arrays import Bools, Floats, Ints, cross
 from drystone.base.ragged import Ragged, first_linked
 from drystone.detection.candidates import facing_patches, near_blocks
-from drystone.detection.coplanar import EXACT
 from drystone.detection.face_overlaps import negligible, projections
 from drystone.detection.interfaces import Interfaces, from_pieces, joined
 from drystone.detection.misses import Error, Inexact, compared, face_contacts
-from drystone.detection.patches import Patches, patches_of
+from drystone.detection.patches import EXACT, Patches, patches_of
 from drystone.detection.planes import NEGLIGIBLE, Pieces, Planes, tidy, uncovered
 from drystone.detection.tolerances import DetectionOptions, Missed, Reason
 from drystone.geometry import planar

@@ -10,8 +10,7 @@ import shapely
 
 from drystone.base.arrays import SAME, Bools, Floats, Ints, dot, marked
 from drystone.base.ragged import Ragged, expand
-from drystone.detection.coplanar import EXACT
-from drystone.detection.patches import Patches
+from drystone.detection.patches import EXACT, Patches
 from drystone.geometry import clip, planar
 from drystone.geometry.frames import frames_from_normals
 

@@ -13,8 +13,7 @@ from drystone.base.errors import counted
 from drystone.detection.interfaces import Interfaces, joined
 from drystone.detection.tolerances import millimetres
 from drystone.geometry import facets
-from drystone.geometry.frames import frames_from_normals
-from drystone.geometry.polygon import area_vectors
+from drystone.geometry.frames import area_vectors, frames_from_normals
 
 FEW = 1000
 """Corners of facets up to which all facets stay. Chosen: the answer takes no time then, and

@@ -27,8 +27,7 @@ from drystone.base.arrays import Bools, Floats, frozen, frozen_floats
 from drystone.base.display import named
 from drystone.base.errors import InputError, counted, require
 from drystone.base.files import PathLike, write_bytes
-from drystone.base.progress import Clock
-from drystone.base.settings import Options, checked_call
+from drystone.base.settings import Clock, Options, checked_call
 from drystone.base.table import Table
 from drystone.io.draft import Contents
 from drystone.io.glb import Z_UP, blocks_of

@@ -11,9 +11,8 @@ import shapely
 from drystone.base.arrays import Bools, Floats, Ints, dot, marked
 from drystone.base.ragged import BATCH, Ragged, expand, first_linked, sum_by_owner
 from drystone.geometry import boxes, clip, planar
-from drystone.geometry.frames import frames_from_normals
+from drystone.geometry.frames import area_vectors, frames_from_normals
 from drystone.geometry.halfedge import NOISE, SMOOTH
-from drystone.geometry.polygon import area_vectors
 
 KEPT = 0.02
 """Facets are joined when the area of their projection differs from the sum of their areas by less

@@ -14,10 +14,9 @@ from drystone.base.arrays import Floats, unit
 from drystone.base.errors import InputError
 from drystone.base.ragged import Ragged
 from drystone.geometry.coincidence import distinct
-from drystone.geometry.frames import frames_from_normals
+from drystone.geometry.frames import area_vector, area_vectors, frames_from_normals
 from drystone.geometry.halfedge import merge_coplanar
 from drystone.geometry.planar import half_plane, overlay, parts_of, rings_of, valid
-from drystone.geometry.polygon import area_vector, area_vectors
 from drystone.geometry.polyhedron import Loop, Piece, loop_edges, rings, used_vertices
 from drystone.geometry.soup import points_between, split_solids
 from drystone.geometry.surface import edge_defects

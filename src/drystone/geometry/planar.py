@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 
 from drystone.base.arrays import ROUNDING, Floats, Ints
 from drystone.base.errors import InputError
-from drystone.geometry.frames import frames_from_normals
-from drystone.geometry.polygon import area_vector
+from drystone.geometry.frames import area_vector, frames_from_normals
 from drystone.geometry.polyhedron import Loop
 
 Regions: TypeAlias = NDArray[Any]

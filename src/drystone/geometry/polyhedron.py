@@ -18,7 +18,7 @@ import numpy as np
 from drystone.base.arrays import Floats, Ints, frozen, unit
 from drystone.base.display import OneLine
 from drystone.base.ragged import Ragged
-from drystone.geometry.polygon import area_vector, area_vectors
+from drystone.geometry.frames import area_vector, area_vectors
 
 T = TypeVar("T")
 

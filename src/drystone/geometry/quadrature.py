@@ -18,8 +18,8 @@ import numpy as np
 
 from drystone.base.arrays import Floats, Ints, dot, lengths, places, plane_cross
 from drystone.base.ragged import Ragged
+from drystone.geometry.frames import tributary_areas
 from drystone.geometry.kern import sections
-from drystone.geometry.polygon import tributary_areas
 from drystone.geometry.slipping import clipped, turned
 from drystone.geometry.triangulate import triangulate
 

@@ -14,7 +14,7 @@ from drystone.base.display import OneLine
 from drystone.base.errors import InputError
 from drystone.base.ragged import BATCH, Ragged
 from drystone.geometry import boxes
-from drystone.geometry.polygon import area_vectors
+from drystone.geometry.frames import area_vectors
 from drystone.geometry.polyhedron import Faces
 from drystone.geometry.solid import farthest, squared_distance
 from drystone.geometry.triangulate import fan_warped, point_owners, triangulate

@@ -14,9 +14,8 @@ import numpy as np
 from drystone.base.arrays import SAME, Bools, Floats, Ints, lengths, unit
 from drystone.base.ragged import Ragged, linked, sum_by_owner
 from drystone.geometry import boxes
-from drystone.geometry.frames import frames_from_normals
+from drystone.geometry.frames import area_vector, frames_from_normals
 from drystone.geometry.planar import faces_with_holes
-from drystone.geometry.polygon import area_vector
 from drystone.geometry.polyhedron import (
     Faces,
     Loop,

@@ -7,8 +7,7 @@ import shapely
 
 from drystone.base.arrays import ROUNDING, Bools, Floats, Ints, cross, marked, plane_cross, unit
 from drystone.base.ragged import Ragged
-from drystone.geometry.frames import frames_from_normals
-from drystone.geometry.polygon import area_vectors
+from drystone.geometry.frames import area_vectors, frames_from_normals
 from drystone.geometry.polyhedron import Faces
 
 _THIN = 1e-3

@@ -18,8 +18,7 @@ from drystone.base.arrays import FARTHEST, SAME, Bools, Floats, Ints
 from drystone.base.ragged import Ragged
 from drystone.checks import check_forces, unbalanced_wrench
 from drystone.contacts import DEFAULT_FRICTION, Contacts
-from drystone.geometry import polygon
-from drystone.geometry.frames import frames_from_normals
+from drystone.geometry.frames import area_vector, area_vectors, frames_from_normals
 from drystone.io.draft import Extras
 from drystone.io.jsontext import Field
 from drystone.loads import LoadCase
@@ -118,7 +117,7 @@ def joined(
         Interfaces whose corners are stored in reverse order.
     """
     start = Ragged.of(corners).start
-    area = polygon.area_vectors(np.concatenate(list(corners)), start)
+    area = area_vectors(np.concatenate(list(corners)), start)
     signed = (area * frame[:, 0]).sum(axis=1)
     backwards = signed < 0.0
     ordered = [
@@ -176,7 +175,7 @@ def _frame(interface: Field, points: Floats) -> Floats:
     """Rows n, u, v: the stored frame made orthonormal, or one about the polygon's own normal."""
     inside = data_of(interface)
     if not inside.has("frame"):
-        area = polygon.area_vector(points)
+        area = area_vector(points)
         if not area.any():
             raise interface.error("has neither a frame nor an area")
         return frames_from_normals((area / np.linalg.norm(area))[None])[0]

@@ -23,12 +23,11 @@ import numpy as np
 from drystone.assembly import DEFAULT_DENSITY, Assembly
 from drystone.base.arrays import FARTHEST, Floats
 from drystone.detection import DetectionOptions
-from drystone.geometry.polygon import area_vector
+from drystone.geometry.frames import area_vector
 from drystone.io import compas_contacts
 from drystone.io.compas_contacts import SEARCH, data_of
-from drystone.io.draft import Draft, DraftBlock, Extras
+from drystone.io.draft import Draft, DraftBlock, Extras, moved
 from drystone.io.drystone_json import detection_of
-from drystone.io.face_soup import moved
 from drystone.io.jsontext import Field
 from drystone.loads import STANDARD_GRAVITY, LoadCase
 

@@ -21,8 +21,7 @@ from drystone.base.arrays import SAME, Floats
 from drystone.base.errors import FormatError
 from drystone.base.units import UNITS
 from drystone.geometry.polyhedron import Loop
-from drystone.io.draft import Draft
-from drystone.io.face_soup import FaceSoup, moved, named_apart, shapes_of
+from drystone.io.draft import Draft, FaceSoup, moved, named_apart, shapes_of
 from drystone.io.glb import Z_UP
 from drystone.io.outside import Unfolded, unfold
 from drystone.io.xml_tree import numbers, root_of

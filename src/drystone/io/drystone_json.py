@@ -21,8 +21,7 @@ from drystone.io.jsontext import Field
 from drystone.io.load_options import load_of_parts
 from drystone.joint_capacity import DRY, JointCapacity
 from drystone.loads import LoadCase
-from drystone.loads.masses import CarriedMass
-from drystone.loads.placing import SurfaceLoad
+from drystone.loads.placing import CarriedMass, SurfaceLoad
 from drystone.model import Model
 from drystone.results import Residuals, Result, Samples, Sensitivity, Verdict
 

@@ -24,10 +24,19 @@ from drystone.base.arrays import FARTHEST, ROUNDING, SAME, Floats
 from drystone.base.errors import FormatError, InputError, counted
 from drystone.base.files import lines_of
 from drystone.base.units import scale_of
-from drystone.geometry.polygon import area_vector
+from drystone.geometry.frames import area_vector
 from drystone.geometry.polyhedron import Loop, prism_faces
-from drystone.io.draft import Draft, DraftBlock, hidden_notes, holds, require_blocks
-from drystone.io.face_soup import FaceSoup, moved, named_apart, shapes_of
+from drystone.io.draft import (
+    Draft,
+    DraftBlock,
+    FaceSoup,
+    hidden_notes,
+    holds,
+    moved,
+    named_apart,
+    require_blocks,
+    shapes_of,
+)
 from drystone.io.glb import Z_UP
 from drystone.io.outside import Unfolded, unfold
 

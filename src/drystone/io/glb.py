@@ -23,8 +23,17 @@ from drystone.base.errors import FormatError
 from drystone.base.files import write_bytes
 from drystone.base.ragged import Ragged
 from drystone.geometry.triangulate import fan_warped, triangulate
-from drystone.io.draft import UP, Contents, Draft, DraftBlock
-from drystone.io.face_soup import FaceSoup, in_double, moved, named_apart, shapes_of
+from drystone.io.draft import (
+    UP,
+    Contents,
+    Draft,
+    DraftBlock,
+    FaceSoup,
+    in_double,
+    moved,
+    named_apart,
+    shapes_of,
+)
 from drystone.io.jsontext import Field, parse
 from drystone.io.outside import Unfolded
 

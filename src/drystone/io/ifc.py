@@ -18,8 +18,7 @@ from drystone.base.errors import FormatError, counted, require
 from drystone.geometry.convex_pieces import mesh_of, solid_of
 from drystone.geometry.polyhedron import Loop
 from drystone.geometry.surface import edge_defects
-from drystone.io.draft import Draft
-from drystone.io.face_soup import FaceSoup, named_apart, shapes_of
+from drystone.io.draft import Draft, FaceSoup, named_apart, shapes_of
 from drystone.io.jsontext import Field, parse
 from drystone.io.outside import content_of
 

@@ -16,8 +16,7 @@ from drystone.base.arrays import texts
 from drystone.base.errors import InputError, located, quoted
 from drystone.io.jsontext import Field, parse
 from drystone.loads import Earth, Fill, LoadCase
-from drystone.loads.applied import common_acceleration
-from drystone.loads.earthquake import Shaken, with_shaken_weights
+from drystone.loads.applied import Shaken, common_acceleration, with_shaken_weights
 from drystone.loads.load_words import (
     chosen_case,
     combined,

@@ -14,8 +14,7 @@ from drystone.assembly.block import require_sound
 from drystone.base.arrays import Bools, Ints, texts
 from drystone.base.display import differing, named, shortened
 from drystone.base.errors import DrystoneError, InputError, counted, located
-from drystone.base.progress import LongWork, Progress
-from drystone.base.settings import checked_call
+from drystone.base.settings import LongWork, Progress, checked_call
 from drystone.base.units import coefficient
 from drystone.contacts import Contacts
 from drystone.detection import DetectionOptions, EdgeContacts, find_contacts, find_overlaps

@@ -22,8 +22,7 @@ from numpy.typing import NDArray
 from drystone.base.arrays import ROUNDING, SAME
 from drystone.base.errors import FormatError
 from drystone.base.files import MIB, utf8, write_bytes
-from drystone.io.draft import Contents, Draft, DraftBlock
-from drystone.io.face_soup import FaceSoup, in_double, shape_of, shapes_of
+from drystone.io.draft import Contents, Draft, DraftBlock, FaceSoup, in_double, shape_of, shapes_of
 from drystone.io.jsontext import Field, parse
 
 _END = re.compile(rb"[\r\n][ \t]*end_header")

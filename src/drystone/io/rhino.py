@@ -26,8 +26,18 @@ from drystone.geometry.planar import faces_with_holes
 from drystone.geometry.polyhedron import Loop
 from drystone.geometry.triangulate import triangulate
 from drystone.io import outside
-from drystone.io.draft import Contents, Draft, DraftBlock, hidden_notes, holds, require_blocks
-from drystone.io.face_soup import FaceSoup, moved, named_apart, shapes_of
+from drystone.io.draft import (
+    Contents,
+    Draft,
+    DraftBlock,
+    FaceSoup,
+    hidden_notes,
+    holds,
+    moved,
+    named_apart,
+    require_blocks,
+    shapes_of,
+)
 from drystone.io.jsontext import Field, parse
 from drystone.io.rhino_extract import TIE
 

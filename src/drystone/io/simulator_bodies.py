@@ -29,7 +29,7 @@ from drystone.base.files import read_bytes
 from drystone.base.units import scale_of
 from drystone.geometry import boxes
 from drystone.geometry.convex_pieces import ConvexPiece, convex_pieces, hull_of, mesh_of, solid_of
-from drystone.geometry.polygon import area_vector
+from drystone.geometry.frames import area_vector
 from drystone.geometry.polyhedron import (
     BOX,
     Loop,
@@ -40,8 +40,15 @@ from drystone.geometry.polyhedron import (
 )
 from drystone.geometry.surface import edge_defects
 from drystone.geometry.triangulate import fan_warped
-from drystone.io.draft import Contents, DraftBlock
-from drystone.io.face_soup import FaceSoup, moved, named_apart, shape_of, shapes_of
+from drystone.io.draft import (
+    Contents,
+    DraftBlock,
+    FaceSoup,
+    moved,
+    named_apart,
+    shape_of,
+    shapes_of,
+)
 from drystone.io.outside import Unfolded
 from drystone.io.registry import format_of
 from drystone.model import Model

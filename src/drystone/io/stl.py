@@ -14,8 +14,7 @@ from drystone.base.errors import FormatError
 from drystone.base.files import decode, lines_of, write_text
 from drystone.base.ragged import Ragged
 from drystone.geometry.triangulate import fan_warped, triangulate
-from drystone.io.draft import Contents, Draft
-from drystone.io.face_soup import FaceSoup, in_double, shapes_of
+from drystone.io.draft import Contents, Draft, FaceSoup, in_double, shapes_of
 
 HEADER, RECORD = 84, 50
 """[bytes] Length of the header and of each triangle in the binary form."""

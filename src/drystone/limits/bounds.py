@@ -19,7 +19,7 @@ from scipy import sparse
 
 from drystone.base.arrays import SAME, Bools, Floats, Ints
 from drystone.base.errors import InputError
-from drystone.base.progress import Stop, Stopped
+from drystone.base.settings import Stop, Stopped
 from drystone.checks import check_forces, mechanism_defects
 from drystone.formulations.corner_forces import FrictionCone
 from drystone.formulations.equilibrium import FactorSolution, LoadFactors, PlaneFactors, held_still

@@ -16,9 +16,8 @@ from drystone.answer.chart import Chart, MarkKind, Marks
 from drystone.answer.drawing import bare_scene
 from drystone.base.arrays import Floats, frozen, frozen_floats
 from drystone.base.errors import InputError, counted
-from drystone.base.progress import Clock
 from drystone.base.ragged import Ragged
-from drystone.base.settings import Options, checked_call, member_of
+from drystone.base.settings import Clock, Options, checked_call, member_of
 from drystone.base.table import Table
 from drystone.base.workers import WorkerPool
 from drystone.contacts import Contacts

@@ -11,7 +11,7 @@ from functools import partial
 import numpy as np
 
 from drystone.base.errors import InputError
-from drystone.base.progress import Clock, Stop, Stopped
+from drystone.base.settings import Clock, Stop, Stopped
 from drystone.base.workers import WorkerPool
 from drystone.limits.bounds import bisected_bound, rbe
 from drystone.limits.limit_answer import Limit

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drystone.base.arrays import Floats
-from drystone.base.progress import Stop, Stopped
+from drystone.base.settings import Stop, Stopped
 from drystone.base.workers import WorkerPool
 from drystone.limits.limit_types import STANDS, Bracket, Check, Evaluation, Family, FoundBracket
 from drystone.results import Result, Verdict

@@ -20,16 +20,14 @@ import numpy as np
 from drystone.assembly import Assembly
 from drystone.base.arrays import Floats
 from drystone.base.display import OneLine
-from drystone.base.progress import Clock, Stop
-from drystone.base.settings import Options
+from drystone.base.settings import Clock, Options, Stop
 from drystone.base.units import NUMBER
 from drystone.contacts import Contacts
 from drystone.formulations.corner_forces import FrictionCone
 from drystone.geometry.frames import axis_words, rotation_about, unit
 from drystone.io.capacity_words import with_strength
 from drystone.loads import LoadCase
-from drystone.loads.applied import common_acceleration
-from drystone.loads.earthquake import Shaken
+from drystone.loads.applied import Shaken, common_acceleration
 from drystone.model import FlushEnds, Model
 from drystone.results import Result, Samples, Verdict
 from drystone.settlement import Outcome

@@ -17,8 +17,7 @@ import numpy as np
 from drystone.assembly import Assembly
 from drystone.base.arrays import Floats, number
 from drystone.base.errors import InputError
-from drystone.base.progress import Clock, LongWork
-from drystone.base.settings import checked_call
+from drystone.base.settings import Clock, LongWork, checked_call
 from drystone.contacts import Contacts
 from drystone.formulations.equilibrium import FactorSolution
 from drystone.geometry.frames import LEVEL_AXES, axis_vector

@@ -14,8 +14,7 @@ from drystone.answer.chart import Chart, MarkKind, Marks, ring
 from drystone.base.arrays import Floats
 from drystone.base.display import rounded_down
 from drystone.base.errors import InputError, counted
-from drystone.base.progress import Clock
-from drystone.base.settings import checked_call
+from drystone.base.settings import Clock, checked_call
 from drystone.base.table import Table
 from drystone.base.workers import WorkerPool
 from drystone.io.opening import Given, LongHow, supported_model

@@ -16,8 +16,7 @@ from drystone.answer.scene import Layer, LayerKind
 from drystone.base.arrays import SAME, Floats
 from drystone.base.display import rounded_down
 from drystone.base.errors import InputError, counted
-from drystone.base.progress import Clock
-from drystone.base.settings import checked_call
+from drystone.base.settings import Clock, checked_call
 from drystone.base.table import Table
 from drystone.base.units import quantity
 from drystone.base.workers import WorkerPool

@@ -13,7 +13,7 @@ from drystone.answer import Role
 from drystone.base import units
 from drystone.base.arrays import SAME, Floats, cross, marked
 from drystone.base.errors import counted
-from drystone.base.progress import Progress
+from drystone.base.settings import Progress
 from drystone.contacts import Contacts
 from drystone.design import DesignMargin, MendOptions
 from drystone.live.snapshot import Found

@@ -24,7 +24,7 @@ from drystone import io
 from drystone.answer import plain
 from drystone.base import units
 from drystone.base.errors import InputError
-from drystone.base.progress import Progress
+from drystone.base.settings import Progress
 from drystone.design import (
     Changed,
     CutOptions,

@@ -29,8 +29,7 @@ from drystone.base.files import MIB, utf8
 from drystone.io.jsontext import Field, parse
 from drystone.live.desk import Desk
 from drystone.live.helper import ToolCalls
-from drystone.live.python_lines import python_lines
-from drystone.live.wish import Wish
+from drystone.live.wish import Wish, python_lines
 
 WISH = 2**18
 """[bytes] of a wish at most, chosen: 1,000 cases of pushes on a dozen blocks."""

@@ -1,10 +1,14 @@
-"""What a window asks for, and the model that it makes of the one in the file."""
+"""What a window asks for, and the model that it makes of the one in the file.
+
+The Python lines, and the load case of our JSON, that give what a window shows.
+"""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -13,6 +17,7 @@ from drystone.base.arrays import Floats, Ints, marked
 from drystone.base.errors import InputError
 from drystone.base.settings import Options, checked_call
 from drystone.design.changed_model import acceleration_of
+from drystone.geometry.frames import rotation_about
 from drystone.io.jsontext import Field
 from drystone.limits import Tilt
 from drystone.loads import DOWN, LoadCase
@@ -197,3 +202,78 @@ def more_gravity(model: Model, gravity: float) -> LoadCase:
     size = float(np.linalg.norm(acceleration))
     down = DOWN if size == 0.0 else acceleration
     return LoadCase.gravity(model.assembly, gravity - size, down)
+
+
+def python_lines(
+    source: str, how: Mapping[str, Any], sent: Mapping[str, Any], facts: Mapping[str, Any]
+) -> dict[str, Any]:
+    """Lines that read a file and give the verdict of a wish, and the wish as a load case.
+
+    Parameters
+    ----------
+    source
+        Name of the file.
+    how
+        Arguments of :func:`drystone.read` that differ from the default.
+    sent
+        The wish, as plain values.
+    facts
+        Of the model: its gravity [m/s2], and whether its load moves supports.
+    """
+    from pathlib import Path
+
+    wish = Wish.read(Field(dict(sent), "", Path("wish")))
+    lines = _lines(source, how, wish, bool(facts["moves"]))
+    return {"python": "\n".join(lines) + "\n", "case": _case(wish, facts["gravity"])}
+
+
+def _lines(source: str, how: Mapping[str, Any], wish: Wish, moves: bool) -> list[str]:
+    plain = {key: getattr(one, "value", one) for key, one in how.items() if one is not None}
+    given = "".join(f", {key}={one!r}" for key, one in plain.items())
+    loads, lines = [], [f"model = drystone.read({source!r}{given})"]
+    if wish.supports is not None:
+        lines.append(f"model = model.with_supports({list(wish.supports)!r})")
+    if wish.friction is not None:
+        lines.append(f"model = model.with_friction({wish.friction!r})")
+    if wish.gravity is not None:
+        loads.append(f"more_gravity(model, {wish.gravity!r})")
+    for block, force in wish.pushes:
+        numbers = ", ".join(f"{x:.6g}" for x in force)
+        loads.append(f"drystone.LoadCase.point_load(model.assembly, {block!r}, ({numbers}))")
+    for load in loads:
+        lines.append(f"model = model.with_load(model.load + {load})")
+    if wish.tilt:
+        axis = ", ".join(f"{x + 0.0:.12g}" for x in wish.axis)
+        lines.append(f"model = Tilt(model, ({axis}))({wish.tilt!r})  # degrees")
+    if wish.removed:
+        lines.append(f"model = model.without({list(wish.removed)!r})")
+    answer = "drystone.check(model)"
+    if wish.moves or moves:
+        motion = {block: tuple(float(f"{x:.6g}") for x in by) for block, by in wish.moves}
+        answer = f"move_supports(model, {motion!r})"
+    imports = ["import drystone"]
+    if wish.tilt:
+        imports.append("from drystone.limits import Tilt")
+    if wish.gravity is not None:
+        imports.append("from drystone.live import more_gravity")
+    if wish.moves or moves:
+        imports.append("from drystone.settlement import move_supports")
+    return [*imports, "", *lines, f"print({answer})"]
+
+
+def _case(wish: Wish, own: float) -> dict[str, Any]:
+    """A load case of our JSON: gravity and pushes as the tilted model feels them."""
+    turn = rotation_about(np.array(wish.axis), wish.tilt)
+    gravity = own if wish.gravity is None else wish.gravity
+    parts: list[dict[str, Any]] = [
+        {"kind": "gravity", "g": gravity, "direction": _rounded(np.array(DOWN) @ turn)}
+    ]
+    for block, force in wish.pushes:
+        parts.append({"kind": "point", "block": block, "force": _rounded(np.array(force) @ turn)})
+    for block, by in wish.moves:
+        parts.append({"kind": "settlement", "block": block, "motion": _rounded(np.array(by))})
+    return {"name": f"tilt {wish.tilt:g} deg" if wish.tilt else "live", "parts": parts}
+
+
+def _rounded(values: Any) -> list[float]:
+    return [float(f"{x:.12g}") + 0.0 for x in values]

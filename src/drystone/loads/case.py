@@ -14,8 +14,8 @@ from drystone.base.arrays import Floats, Ints, frozen_floats, number
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
 from drystone.geometry.frames import rotation_about, unit
-from drystone.loads.masses import CarriedMass
 from drystone.loads.placing import (
+    CarriedMass,
     SurfaceLoad,
     at_points,
     filled,

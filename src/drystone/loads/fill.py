@@ -25,8 +25,7 @@ from drystone.loads.ground_words import (
     spread,
     weight,
 )
-from drystone.loads.masses import CarriedMass
-from drystone.loads.placing import SurfaceLoad
+from drystone.loads.placing import CarriedMass, SurfaceLoad
 from drystone.loads.roadway import Roadway
 from drystone.loads.seen_strips import SeenStrips, Spots, Traction
 

@@ -22,11 +22,10 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 
 from drystone.base.arrays import Floats
-from drystone.mechanics.bodies import Bodies
+from drystone.mechanics.bodies import BlockPositions, Bodies, Placed
 from drystone.mechanics.follow import Bounds, Ended, Follower
 from drystone.mechanics.increments import EASY, Increment, longest_way, travelled
 from drystone.mechanics.law import ContactResponse
-from drystone.mechanics.positions import BlockPositions, Placed
 from drystone.solvers.threads import one_blas_thread
 
 LONGEST = 1e-3

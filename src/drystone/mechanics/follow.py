@@ -24,10 +24,9 @@ from typing import TypeAlias
 import numpy as np
 
 from drystone.base.arrays import Bools, Floats
-from drystone.mechanics.bodies import Bodies
+from drystone.mechanics.bodies import BlockPositions, Bodies, Placed
 from drystone.mechanics.increments import EASY, FEW, Increment, Increments, travelled
 from drystone.mechanics.law import ContactResponse, respond
-from drystone.mechanics.positions import BlockPositions, Placed
 from drystone.mechanics.soft_springs import SoftSprings
 from drystone.solvers.threads import one_blas_thread
 

@@ -13,11 +13,10 @@ from typing import NamedTuple
 import numpy as np
 
 from drystone.base.arrays import Floats, Ints, lengths
-from drystone.mechanics.bodies import LIGHT, Bodies, turned_load
+from drystone.mechanics.bodies import LIGHT, BlockPositions, Bodies, place_corners, turned_load
 from drystone.mechanics.law import ContactResponse, respond
 from drystone.mechanics.maps import corner_rows, maps_between, times
 from drystone.mechanics.newton import Equation, Steps, newton
-from drystone.mechanics.positions import BlockPositions, place_corners
 from drystone.solvers.factors import Solve
 
 FEW = 24

@@ -15,12 +15,13 @@ from drystone.models.simple import (
     harmonic_offsets,
     incline,
     overhang,
+    prism,
     random_pack,
     stool,
     tower,
     two_blocks_on_incline,
+    welded,
 )
-from drystone.models.solids import prism, welded
 from drystone.models.walls import (
     buttressed_wall,
     corbelled_bridge,

@@ -11,8 +11,7 @@ import numpy as np
 
 from drystone.assembly import Assembly, Block
 from drystone.base.arrays import Floats, marked
-from drystone.models.simple import box
-from drystone.models.solids import prism, require, welded
+from drystone.models.simple import box, prism, require, welded
 from drystone.models.walls import course_ends
 
 

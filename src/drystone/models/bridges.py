@@ -16,8 +16,7 @@ from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
 from drystone.base.files import read_bytes
 from drystone.io.dxf import read_polyline
-from drystone.models.simple import box
-from drystone.models.solids import prism, require
+from drystone.models.simple import box, prism, require
 
 
 def segmental_bridge(

@@ -16,8 +16,7 @@ from scipy.interpolate import CubicSpline
 
 from drystone.assembly import Assembly, Block
 from drystone.base.arrays import Floats
-from drystone.models.simple import box
-from drystone.models.solids import prism, rectangle, require, sections, shell_faces, welded
+from drystone.models.simple import box, prism, rectangle, require, sections, shell_faces, welded
 
 
 def dome(

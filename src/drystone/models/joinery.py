@@ -8,8 +8,7 @@ import numpy as np
 
 from drystone.assembly import Assembly
 from drystone.base.arrays import Floats
-from drystone.models.simple import box
-from drystone.models.solids import of_boxes, prism, require, sections, welded
+from drystone.models.simple import box, of_boxes, prism, require, sections, welded
 
 
 def dovetail(

@@ -14,7 +14,7 @@ import numpy as np
 
 from drystone.assembly import DEFAULT_DENSITY, Assembly, Block
 from drystone.base.arrays import Floats
-from drystone.models.solids import prism, rectangle, sections, welded
+from drystone.models.simple import prism, rectangle, sections, welded
 
 
 def bridge(*, load: bool = False) -> Assembly:

@@ -14,8 +14,7 @@ import numpy as np
 
 from drystone.assembly import Assembly, Block
 from drystone.base.arrays import Floats
-from drystone.models.simple import box
-from drystone.models.solids import prism, require
+from drystone.models.simple import box, prism, require
 
 Bond: TypeAlias = Literal["running", "toothed", "stack"]
 

@@ -15,8 +15,7 @@ from drystone.answer.drawing import interface_layers
 from drystone.base.arrays import Bools, Floats, Ints, lengths
 from drystone.base.declared import Offered
 from drystone.base.errors import InputError, counted, located
-from drystone.base.progress import Progress, Stop
-from drystone.base.settings import checked_call
+from drystone.base.settings import Progress, Stop, checked_call
 from drystone.base.table import Table
 from drystone.base.units import quantity
 from drystone.checks import unbalanced_wrench

@@ -11,8 +11,7 @@ import numpy as np
 
 from drystone.base.arrays import lengths
 from drystone.base.display import named
-from drystone.base.progress import Clock
-from drystone.base.settings import Options, checked_call
+from drystone.base.settings import Clock, Options, checked_call
 from drystone.checks import check_forces
 from drystone.io.opening import Given, LongHow, as_model
 from drystone.mechanics import law

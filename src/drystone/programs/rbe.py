@@ -10,8 +10,7 @@ import numpy as np
 
 from drystone.base.arrays import Floats
 from drystone.base.errors import InputError
-from drystone.base.progress import Clock
-from drystone.base.settings import Options, checked_call
+from drystone.base.settings import Clock, Options, checked_call
 from drystone.checks import check_forces
 from drystone.formulations.corner_forces import FrictionCone, FrictionRule
 from drystone.formulations.equilibrium import (

@@ -17,9 +17,8 @@ from drystone.base.table import Table
 from drystone.base.units import quantity
 from drystone.checks import mechanism_defects, normal_force_by_strength
 from drystone.contacts import Contacts
-from drystone.geometry.frames import unit
+from drystone.geometry.frames import area_vector, unit
 from drystone.geometry.kern import level_hull
-from drystone.geometry.polygon import area_vector
 from drystone.joint_capacity import JointCapacity
 from drystone.joints import plane_pressure
 from drystone.loads.applied import applied_loads, common_acceleration

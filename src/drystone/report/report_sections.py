@@ -16,8 +16,7 @@ from drystone.geometry.quadrature import ACCURATE
 from drystone.joints import HINGED, worst_joints
 from drystone.limits import Limit
 from drystone.limits.train_limit import TrainEnvelope
-from drystone.loads.applied import applied_loads
-from drystone.loads.earthquake import Shaken
+from drystone.loads.applied import Shaken, applied_loads
 from drystone.model import Model
 from drystone.report import sketches
 from drystone.report.document import (

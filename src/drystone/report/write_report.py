@@ -14,8 +14,7 @@ import numpy as np
 from drystone.answer import Answer
 from drystone.base.errors import FormatError, InputError
 from drystone.base.files import PathLike, write_bytes, write_text
-from drystone.base.progress import Clock, Progress, Stop
-from drystone.base.settings import checked_call
+from drystone.base.settings import Clock, Progress, Stop, checked_call
 from drystone.base.table import Table
 from drystone.base.version import version
 from drystone.design import DiagnosisOptions, diagnose

@@ -15,14 +15,14 @@ from drystone.base.errors import InputError
 from drystone.base.files import Job, PathLike, write_together
 from drystone.base.settings import hold
 from drystone.base.table import Table
-from drystone.reproduce import assembly_cases, equilibrium_cases, method_cases, tilt_cases
+from drystone.reproduce import assembly_cases, equilibrium_cases, tilt_cases
 from drystone.reproduce.published_case import Case, Line
 
 SECTIONS: dict[str, Callable[[], Case]] = {
-    "4.2": method_cases.equilibrium,
-    "4.3": method_cases.kerns,
-    "4.4": method_cases.resultants,
-    "4.5": method_cases.assembly_graph,
+    "4.2": assembly_cases.equilibrium,
+    "4.3": assembly_cases.kerns,
+    "4.4": assembly_cases.resultants,
+    "4.5": assembly_cases.assembly_graph,
     "5.1.1": equilibrium_cases.pinched_blocks,
     "5.1.2": equilibrium_cases.wedged_block,
     "5.3": equilibrium_cases.penalty_form,
@@ -43,7 +43,7 @@ SECTIONS: dict[str, Callable[[], Case]] = {
     "7.5.1": assembly_cases.vault,
     "7.5.2": assembly_cases.dome,
     "7.5.3": assembly_cases.freeform,
-    "8.4": method_cases.example,
+    "8.4": assembly_cases.example,
     "8.5": assembly_cases.performance,
 }
 """Sections, and what computes each."""

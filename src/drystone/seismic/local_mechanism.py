@@ -21,21 +21,26 @@ from drystone.base.arrays import SAME, Floats, Ints, lengths
 from drystone.base.declared import Offered
 from drystone.base.display import named
 from drystone.base.errors import InputError, counted
-from drystone.base.progress import Clock
 from drystone.base.ragged import linked
-from drystone.base.settings import checked_call
+from drystone.base.settings import Clock, checked_call
 from drystone.base.table import Table
 from drystone.checks import block_speed, corner_motion, moving_joints
 from drystone.geometry.frames import axis_vector
 from drystone.io.opening import Given, LongHow, supported_model
 from drystone.limits import limit_load
 from drystone.loads import LoadCase
+from drystone.loads.applied import Shaken
 from drystone.loads.case import STANDARD_GRAVITY
-from drystone.loads.earthquake import Shaken
 from drystone.model import Model
-from drystone.seismic.oscillator import Oscillator, Turning, weights_that_move
 from drystone.seismic.spectrum import LimitState, SeismicDemand
-from drystone.seismic.turning_part import masses_of, pulls_of, turning_of
+from drystone.seismic.turning_part import (
+    Oscillator,
+    Turning,
+    masses_of,
+    pulls_of,
+    turning_of,
+    weights_that_move,
+)
 from drystone.settlement import LargeDisplacement, push
 from drystone.settlement.large_displacement import MOVES
 

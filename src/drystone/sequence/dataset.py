@@ -23,8 +23,7 @@ from drystone.base.display import OneLine
 from drystone.base.errors import FormatError, InputError, counted
 from drystone.base.files import PathLike, as_path, write_text
 from drystone.base.journal import Journal
-from drystone.base.progress import Clock
-from drystone.base.settings import Options, checked_call
+from drystone.base.settings import Clock, Options, checked_call
 from drystone.base.table import Table
 from drystone.base.version import version
 from drystone.base.workers import WorkerPool

@@ -24,7 +24,7 @@ from drystone.base.arrays import Floats
 from drystone.base.display import OneLine
 from drystone.base.files import PathLike
 from drystone.base.journal import Journal, exactly
-from drystone.base.progress import Stopped
+from drystone.base.settings import Stopped
 from drystone.base.version import version
 from drystone.base.workers import ExecutorFactory, WorkerPool
 from drystone.checks import block_speed, closing

@@ -14,8 +14,7 @@ from drystone.answer.drawing import bare_scene
 from drystone.base.arrays import Bools, Floats, frozen_floats
 from drystone.base.declared import Offered
 from drystone.base.errors import InputError, counted
-from drystone.base.progress import Clock
-from drystone.base.settings import checked_call
+from drystone.base.settings import Clock, checked_call
 from drystone.base.table import Table
 from drystone.base.workers import WorkerPool
 from drystone.io.opening import Given, LongHow, as_model

@@ -21,8 +21,7 @@ from drystone.base.arrays import Bools, Floats, dot
 from drystone.base.display import OneLine, named
 from drystone.base.errors import counted
 from drystone.base.files import PathLike, write_text
-from drystone.base.progress import Clock, LongWork
-from drystone.base.settings import checked_call
+from drystone.base.settings import Clock, LongWork, checked_call
 from drystone.base.table import Table
 from drystone.base.workers import WorkerPool
 from drystone.detection.patches import patches_of

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from functools import reduce
 from operator import or_
 
-from drystone.base.progress import Stopped
+from drystone.base.settings import Stopped
 from drystone.sequence.order_search import OrderSearch
 from drystone.sequence.stage_tree import Cost, Node
 from drystone.sequence.stages import StageAnswer, mask_of, members

@@ -16,8 +16,7 @@ import numpy as np
 from drystone.answer import Answer, Role, Scene, Sentence
 from drystone.base.display import rounded_down, rounded_up
 from drystone.base.errors import InputError, counted
-from drystone.base.progress import Clock, LongWork
-from drystone.base.settings import checked_call
+from drystone.base.settings import Clock, LongWork, checked_call
 from drystone.base.table import Table
 from drystone.base.workers import WorkerPool
 from drystone.limits import LimitOptions, limit_friction, limit_tilt

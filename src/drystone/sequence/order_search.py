@@ -19,7 +19,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
-from drystone.base.progress import Progress
+from drystone.base.settings import Progress
 from drystone.results import Verdict
 from drystone.sequence.evaluation import Evaluator
 from drystone.sequence.rules import BoundRules, Order

@@ -12,8 +12,7 @@ import numpy as np
 
 from drystone.base.errors import counted
 from drystone.base.files import PathLike
-from drystone.base.progress import Clock, Stopped
-from drystone.base.settings import Options, checked_call
+from drystone.base.settings import Clock, Options, Stopped, checked_call
 from drystone.io.opening import Given, LongHow, as_model
 from drystone.results import Verdict
 from drystone.sequence.evaluation import Evaluator

@@ -25,8 +25,7 @@ from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
 from drystone.base.settings import Options
 from drystone.contacts import Contacts, joined_contacts
-from drystone.geometry.frames import frames_from_normals
-from drystone.geometry.polygon import area_vector
+from drystone.geometry.frames import area_vector, frames_from_normals
 from drystone.geometry.polyhedron import BOX
 from drystone.geometry.solid import distance
 from drystone.joint_capacity import NO_LIMIT, JointCapacity

@@ -20,8 +20,7 @@ from drystone.assembly import Assembly
 from drystone.base import units
 from drystone.base.arrays import Floats
 from drystone.base.errors import InputError, counted
-from drystone.base.progress import Clock, LongWork
-from drystone.base.settings import checked_call, member_of
+from drystone.base.settings import Clock, LongWork, checked_call, member_of
 from drystone.base.table import Table
 from drystone.base.workers import WorkerPool
 from drystone.io.opening import Given, LongHow, as_model

@@ -22,7 +22,7 @@ import numpy as np
 from scipy.optimize import nnls
 
 from drystone.base.arrays import Floats
-from drystone.base.progress import Stopped
+from drystone.base.settings import Stopped
 from drystone.loads import STANDARD_GRAVITY
 from drystone.results import Verdict
 from drystone.sequence.evaluation import Evaluator

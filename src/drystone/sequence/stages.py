@@ -22,7 +22,7 @@ import numpy as np
 from drystone.base.arrays import Floats, Ints
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
-from drystone.base.progress import Clock
+from drystone.base.settings import Clock
 from drystone.loads import LoadCase
 from drystone.model import Model, OfModel
 from drystone.results import Result, Verdict

@@ -13,8 +13,7 @@ from drystone.assembly.assembly import Blocks
 from drystone.base.arrays import Bools, Floats, frozen, number, whole
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
-from drystone.base.progress import Clock, LongWork
-from drystone.base.settings import checked_call
+from drystone.base.settings import Clock, LongWork, checked_call
 from drystone.base.workers import WorkerPool
 from drystone.io.opening import Given, How, Whole, supported_model
 from drystone.model import Model

@@ -19,8 +19,7 @@ from drystone.answer import Answer, Question, Role, Scene, SceneStage, Sentence,
 from drystone.base.arrays import Floats
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
-from drystone.base.progress import Clock, Stopped
-from drystone.base.settings import checked_call
+from drystone.base.settings import Clock, Stopped, checked_call
 from drystone.base.table import Table
 from drystone.base.units import quantity
 from drystone.io.opening import Given, LongHow, as_model

@@ -11,15 +11,13 @@ import numpy as np
 from drystone.base.arrays import SAME, Bools, Floats, cross, frozen, frozen_floats, lengths
 from drystone.base.declared import Offered
 from drystone.base.errors import InputError
-from drystone.base.progress import Clock
-from drystone.base.settings import checked_call
+from drystone.base.settings import Clock, checked_call
 from drystone.base.units import quantity
 from drystone.contacts import Contacts
 from drystone.io.opening import Given, LongHow, as_model
 from drystone.loads import LoadCase
-from drystone.loads.applied import arms_of_loads
+from drystone.loads.applied import Shaken, arms_of_loads
 from drystone.loads.case import STANDARD_GRAVITY
-from drystone.loads.earthquake import Shaken
 from drystone.mechanics.bodies import Bodies, build_bodies, numbered_axes, numbered_forces
 from drystone.mechanics.corners import CARRIER, Carrier
 from drystone.mechanics.drive import DrivenState, Driver

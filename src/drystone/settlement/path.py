@@ -16,7 +16,7 @@ import numpy as np
 
 from drystone.assembly import Assembly
 from drystone.base.arrays import Floats, Ints, lengths
-from drystone.base.progress import Clock
+from drystone.base.settings import Clock
 from drystone.checks import FORCE_TOLERANCE
 from drystone.contacts import Contacts
 from drystone.geometry.frames import rotations
@@ -24,16 +24,17 @@ from drystone.loads import LoadCase
 from drystone.loads.placing import filled
 from drystone.mechanics.bodies import (
     LIGHT,
+    BlockPositions,
     Bodies,
     build_bodies,
     numbered_axes,
     numbered_forces,
+    rotation_vectors,
 )
 from drystone.mechanics.corners import CARRIER, Carrier, as_turned, flush_ends, joint_ends
 from drystone.mechanics.follow import Bounds, Course, Ended, Follower, Track
 from drystone.mechanics.increments import FEW, travelled
 from drystone.mechanics.meeting import Apart, followed_model, model_with_met
-from drystone.mechanics.positions import BlockPositions, rotation_vectors
 from drystone.mechanics.soft_springs import STIFFEST
 from drystone.mechanics.vertices_met import ROWS
 from drystone.model import Model

@@ -11,9 +11,8 @@ import numpy as np
 
 from drystone.base.arrays import Floats, Ints
 from drystone.base.display import first_of, rounded_up
-from drystone.base.progress import Clock, Stop, Workers
 from drystone.base.ragged import linked
-from drystone.base.settings import checked_call
+from drystone.base.settings import Clock, Stop, Workers, checked_call
 from drystone.base.workers import WorkerPool
 from drystone.contacts import joined_contacts
 from drystone.detection.tolerances import millimetres
@@ -25,12 +24,7 @@ from drystone.mechanics.meeting import Apart, faces_apart, followed_model, with_
 from drystone.mechanics.vertices_met import still_on_faces, vertices_met
 from drystone.model import Model
 from drystone.results import Residuals
-from drystone.settlement.path import (
-    FollowedCase,
-    carriers_of,
-    path_of,
-    support_motion,
-)
+from drystone.settlement.path import FollowedCase, carriers_of, path_of, support_motion
 from drystone.settlement.settlement_types import (
     Outcome,
     Settlement,

@@ -16,7 +16,7 @@ from drystone.base.errors import InputError
 from drystone.base.files import Job, PathLike, write_text, write_together
 from drystone.base.ragged import Ragged
 from drystone.base.table import Table
-from drystone.geometry import polygon
+from drystone.geometry.frames import area_vector, area_vectors
 from drystone.geometry.polyhedron import loop_edges
 from drystone.io import write
 from drystone.shells.materialise import cell_faces
@@ -35,7 +35,7 @@ def block_frame(shell: Shell, block: int) -> tuple[Floats, Floats]:
     cell = shell.mesh.cells[block]
     low, high, _ = cell_faces(shell.mesh, shell.pins, cell)
     middle = 0.5 * (shell.pins.point[list(reversed(low))] + shell.pins.point[list(high)])
-    out = polygon.area_vector(middle)
+    out = area_vector(middle)
     out /= np.linalg.norm(out)
     up = shell.mesh.up[list(cell)].mean(axis=0)
     up -= (up @ out) * out
@@ -88,7 +88,7 @@ def _angles(shell: Shell, block: int, out: Floats) -> tuple[Floats, Floats]:
     """Bevels and corners of a block [degrees]."""
     sides = cell_faces(shell.mesh, shell.pins, shell.mesh.cells[block])[2]
     start = Ragged.of(sides).start
-    area = polygon.area_vectors(shell.pins.point[np.concatenate(sides)], start)
+    area = area_vectors(shell.pins.point[np.concatenate(sides)], start)
     normal = area / np.linalg.norm(area, axis=1, keepdims=True)
     bevel = 90.0 + np.rad2deg(np.arcsin(np.clip(normal @ out, -1.0, 1.0)))
     shared = _shared_edges(sides)
@@ -183,7 +183,7 @@ def flat_faces(shell: Shell, block: int | str) -> tuple[FlatFace, ...]:
     faces = []
     for face in cell_faces(shell.mesh, shell.pins, shell.mesh.cells[i])[2]:
         corner = point[list(face)]
-        out = polygon.area_vector(corner)
+        out = area_vector(corner)
         along = corner[1] - corner[0] if len(face) <= 4 else corner[0] - corner[-1]
         x = along / np.linalg.norm(along)
         y = np.cross(out / np.linalg.norm(out), x)

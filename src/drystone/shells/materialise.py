@@ -15,8 +15,7 @@ from drystone.base.arrays import ROUNDING, Floats, Ints, dot
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
 from drystone.base.ragged import Ragged
-from drystone.geometry import polygon
-from drystone.geometry.frames import frames_from_normals
+from drystone.geometry.frames import area_vectors, frames_from_normals
 from drystone.geometry.polyhedron import loop_edges, used_vertices
 from drystone.geometry.triangulate import triangulate, warp_and_view
 from drystone.shells.patch import Patch, Shape, curvatures, numbers
@@ -86,7 +85,7 @@ def _facet_means(mesh: Tessellation, point: Floats, vector: Floats) -> Floats:
     The cells have their vertices at ``point`` (v, 3).
     """
     loop, start = flat_loops(mesh.cells)
-    area = polygon.area_vectors(point[loop], start)
+    area = area_vectors(point[loop], start)
     facet = area / np.maximum(np.linalg.norm(area, axis=1, keepdims=True), 1e-300)
     across = dot(vector[loop], np.repeat(facet, np.diff(start), axis=0))
     return _corner_means(loop, across, len(point))
@@ -253,7 +252,7 @@ def _solid_caps(pins: Pins, caps: Sequence[Polygon]) -> list[list[Polygon]]:
     """Every inner and outer face as one polygon, or as triangles where its fan would fold over."""
     loop, start = flat_loops(caps)
     height, seen = warp_and_view(pins.point[loop], start)
-    area = np.linalg.norm(polygon.area_vectors(pins.point[loop], start), axis=1)
+    area = np.linalg.norm(area_vectors(pins.point[loop], start), axis=1)
     made = [[cap] for cap in caps]
     for i in np.flatnonzero((height > ROUNDING * np.sqrt(area)) & ~seen).tolist():
         corner = np.array(caps[i], dtype=np.intp)
@@ -271,7 +270,7 @@ def _refuse_crossed_faces(mesh: Tessellation, pins: Pins) -> None:
         owner += [c] * (2 + len(sides))
     loop, start = flat_loops(faces)
     corner = pins.point[loop]
-    area = polygon.area_vectors(corner, start)
+    area = area_vectors(corner, start)
     size = np.linalg.norm(area, axis=1)
     axes = frames_from_normals(area / np.maximum(size, 1e-300)[:, None])
     face = np.repeat(np.arange(len(faces)), np.diff(start))
@@ -299,7 +298,7 @@ _LARGEST_SHARE = 2.0 / 3.0
 def mean_width(mesh: Tessellation) -> float:
     """[m], square root of the mean area of a cell: the size of a block."""
     loop, start = flat_loops(mesh.cells)
-    area = np.linalg.norm(polygon.area_vectors(mesh.point[loop], start), axis=1)
+    area = np.linalg.norm(area_vectors(mesh.point[loop], start), axis=1)
     return float(np.sqrt(area.mean()))
 
 
@@ -391,7 +390,7 @@ def fit_cells(mesh: Tessellation, shape: Shape) -> tuple[Tessellation, float]:
     largest : [m] largest move
     """
     loop, start = flat_loops(mesh.cells)
-    area = polygon.area_vectors(mesh.point[loop], start)
+    area = area_vectors(mesh.point[loop], start)
     size = np.linalg.norm(area, axis=1)
     middle = Ragged(start).mean(mesh.point[loop])
     rise = dot(mesh.crest - middle, area) / np.maximum(size, 1e-300)
@@ -400,7 +399,7 @@ def fit_cells(mesh: Tessellation, shape: Shape) -> tuple[Tessellation, float]:
     wanted = sum(float(_parts(patch)[2].sum()) for patch in shape.patches)
 
     def missing_area(share: float) -> float:
-        moved = polygon.area_vectors((mesh.point + share * move)[loop], start)
+        moved = area_vectors((mesh.point + share * move)[loop], start)
         return wanted - float(np.linalg.norm(moved, axis=1)[known].sum())
 
     at_zero, at_limit = missing_area(0.0), missing_area(_LARGEST_SHARE)

@@ -24,8 +24,7 @@ from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted, located
 from drystone.base.ragged import Ragged
 from drystone.geometry.coincidence import first_coincident
-from drystone.geometry.frames import frames_from_normals
-from drystone.geometry.polygon import area_vectors
+from drystone.geometry.frames import area_vectors, frames_from_normals
 from drystone.geometry.polyhedron import edges_of, loop_edges, rings, used_vertices
 from drystone.shells.patch import Edge, Patch, Seam, Shape, Side, arc_lengths, check_patch
 from drystone.shells.sources import patch_from_grid

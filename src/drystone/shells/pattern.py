@@ -18,7 +18,7 @@ from drystone.base.errors import InputError
 from drystone.base.ragged import Ragged
 from drystone.shells.courses import Courses
 from drystone.shells.patch import Side
-from drystone.shells.wedge import Wedge, eased_share, wedge_amount
+from drystone.shells.shell_options import Wedge, eased_share, wedge_amount
 
 
 @dataclass(frozen=True, eq=False)

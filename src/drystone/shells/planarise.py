@@ -18,7 +18,7 @@ from scipy.sparse.linalg import splu
 
 from drystone.base.arrays import SAME, Floats, Ints, dot
 from drystone.base.errors import InputError
-from drystone.base.progress import Progress
+from drystone.base.settings import Progress
 from drystone.geometry.polyhedron import loop_edges
 from drystone.shells.materialise import (
     Pins,

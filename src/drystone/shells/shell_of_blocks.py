@@ -14,13 +14,12 @@ from drystone.answer.drawing import bare_scene
 from drystone.assembly import Assembly
 from drystone.base.arrays import SAME, Bools, Floats, Ints, dot, unit
 from drystone.base.errors import InputError, counted
-from drystone.base.progress import Progress
 from drystone.base.ragged import Ragged
+from drystone.base.settings import Progress
 from drystone.base.units import quantity
 from drystone.contacts import DEFAULT_FRICTION, Contacts
 from drystone.geometry import boxes
-from drystone.geometry.frames import frames_from_normals
-from drystone.geometry.polygon import area_vectors
+from drystone.geometry.frames import area_vectors, frames_from_normals
 from drystone.geometry.polyhedron import loop_edges, rings
 from drystone.geometry.selfcontact import convex_bodies
 from drystone.geometry.shared_volume import shared_volumes

@@ -10,20 +10,12 @@ from typing import Any
 import numpy as np
 
 from drystone.base.arrays import Bools, Floats, lengths
-from drystone.base.progress import Clock
-from drystone.base.settings import Options
+from drystone.base.settings import Clock, Options
 from drystone.base.workers import WorkerPool
 from drystone.checks import unbalanced_wrench
 from drystone.formulations.corner_forces import FrictionCone
-from drystone.formulations.equilibrium import (
-    ANY_FORCES,
-    EquilibriumSolution,
-    solve_equilibrium,
-)
-from drystone.formulations.nearest_mechanism import (
-    NearestMechanism,
-    nearest_mechanism,
-)
+from drystone.formulations.equilibrium import ANY_FORCES, EquilibriumSolution, solve_equilibrium
+from drystone.formulations.nearest_mechanism import NearestMechanism, nearest_mechanism
 from drystone.friction_use import spread_where_turned
 from drystone.joints import resultants_of
 from drystone.mechanics import law

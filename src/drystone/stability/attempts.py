@@ -10,8 +10,7 @@ import numpy as np
 
 from drystone.base.arrays import Floats
 from drystone.base.errors import InputError, SolverError
-from drystone.base.progress import Clock, LongWork
-from drystone.base.settings import checked_call
+from drystone.base.settings import Clock, LongWork, checked_call
 from drystone.checks import FORCE_TOLERANCE, check_forces
 from drystone.mechanics import law
 from drystone.mechanics.law import Compliance

@@ -10,8 +10,7 @@ from drystone.assembly import Assembly
 from drystone.base.errors import DrystoneError, InputError, quoted
 from drystone.base.files import PathLike
 from drystone.base.journal import Journal, add_answers, exactly
-from drystone.base.progress import Clock
-from drystone.base.settings import checked_call
+from drystone.base.settings import Clock, checked_call
 from drystone.base.table import Table
 from drystone.base.version import version
 from drystone.formulations.nearest_mechanism import nearest_mechanism

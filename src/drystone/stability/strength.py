@@ -11,7 +11,7 @@ import numpy as np
 from drystone.base.arrays import Bools, Floats, lengths
 from drystone.base.display import rounded_down
 from drystone.base.errors import counted
-from drystone.base.progress import Clock, Stop
+from drystone.base.settings import Clock, Stop
 from drystone.checks import (
     FORCE_TOLERANCE,
     Residuals,

@@ -21,8 +21,7 @@ from typing import TypeAlias, Unpack
 import numpy as np
 
 from drystone.base.arrays import Floats
-from drystone.base.progress import Clock
-from drystone.base.settings import checked_call
+from drystone.base.settings import Clock, checked_call
 from drystone.base.workers import WorkerPool
 from drystone.io.opening import Given, LongHow, supported_model
 from drystone.joints import SWAY

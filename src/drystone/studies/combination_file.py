@@ -18,8 +18,8 @@ from drystone.io.jsontext import Field, parse_toml
 from drystone.io.opening import kept_of
 from drystone.joint_capacity import NO_LIMIT
 from drystone.loads import LoadCase
+from drystone.loads.applied import with_shaken_weights
 from drystone.loads.case import STANDARD_GRAVITY
-from drystone.loads.earthquake import with_shaken_weights
 from drystone.loads.load_words import chosen_case
 from drystone.model import Model
 

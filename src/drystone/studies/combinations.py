@@ -16,15 +16,13 @@ from drystone.base.declared import Offered
 from drystone.base.display import rounded_down
 from drystone.base.errors import InputError, counted
 from drystone.base.files import PathLike, digest
-from drystone.base.progress import Clock
-from drystone.base.settings import checked_call
+from drystone.base.settings import Clock, checked_call
 from drystone.base.table import Table
 from drystone.base.workers import WorkerPool
 from drystone.io.opening import Given, LongHow, supported_model
 from drystone.limits import LimitOptions, limit_friction, limit_load, limit_shrink
 from drystone.loads import LoadCase
-from drystone.loads.applied import applied_loads
-from drystone.loads.earthquake import Shaken
+from drystone.loads.applied import Shaken, applied_loads
 from drystone.model import Model
 from drystone.results import Result
 from drystone.solvers.threads import one_blas_thread

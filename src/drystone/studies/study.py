@@ -19,8 +19,7 @@ from drystone.base.display import OneLine, digits_apart, rounded_down, rounded_u
 from drystone.base.errors import DrystoneError, InputError, quoted
 from drystone.base.files import PathLike
 from drystone.base.journal import Journal, add_answers, exactly
-from drystone.base.progress import Clock, Stop
-from drystone.base.settings import checked_call
+from drystone.base.settings import Clock, Stop, checked_call
 from drystone.base.table import Table
 from drystone.base.version import version
 from drystone.io import read

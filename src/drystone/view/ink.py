@@ -22,8 +22,8 @@ from drystone.assembly import Assembly
 from drystone.base.arrays import ROUNDING, Bools, Floats, Ints, plane_cross
 from drystone.base.ragged import Ragged
 from drystone.geometry import clip
+from drystone.geometry.frames import area_vectors
 from drystone.geometry.halfedge import sharp_edges
-from drystone.geometry.polygon import area_vectors
 from drystone.geometry.triangulate import triangulate
 from drystone.view.palette import STATE_COLOUR, ramp_colours, rgb
 from drystone.view.section import clip_loop, cut_faces

@@ -9,8 +9,7 @@ from shapely.geometry import Polygon
 
 from drystone import Assembly, Block, Contacts, InputError, find_contacts
 from drystone.detection import DetectionOptions, Reason
-from drystone.geometry.frames import rotation_about
-from drystone.geometry.polygon import area_vectors
+from drystone.geometry.frames import area_vectors, rotation_about
 from drystone.models import (
     box,
     concave,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from drystone.geometry.polygon import area_vectors
+from drystone.geometry.frames import area_vectors
 from drystone.geometry.polyhedron import stack_faces
 from drystone.models import arch, box, shelf
 from drystone.view.section import clip_loop, cut_faces

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from drystone.geometry.frames import area_vectors
 from drystone.geometry.halfedge import half_edges, joined_faces, outlines, turn_angles
-from drystone.geometry.polygon import area_vectors
 from drystone.geometry.polyhedron import Faces, stack_faces
 from drystone.models import box, prism
 

@@ -23,9 +23,8 @@ from drystone.base.errors import InputError
 from drystone.cli import main
 from drystone.detection.tolerances import EdgeContacts
 from drystone.live import serving
-from drystone.live.python_lines import python_lines
 from drystone.live.serving import Live, Watch
-from drystone.live.wish import asked
+from drystone.live.wish import asked, python_lines
 from drystone.models import arch, leaning_column, prism
 from tests.unit.live.live_client import Window, ask, overhang, wish_of
 

@@ -7,13 +7,12 @@ import numpy as np
 import pytest
 
 from drystone import LoadCase, Model, settle
-from drystone.base.progress import Clock
-from drystone.mechanics.bodies import Bodies, build_bodies
+from drystone.base.settings import Clock
+from drystone.mechanics.bodies import BlockPositions, Bodies, build_bodies, place_corners
 from drystone.mechanics.corners import Carrier
 from drystone.mechanics.law import respond
 from drystone.mechanics.maps import FullMaps, SparseMaps
 from drystone.mechanics.meeting import faces_apart
-from drystone.mechanics.positions import BlockPositions, place_corners
 from drystone.models import arch
 from drystone.settlement import Outcome, SettlementOptions, SettlementPath
 from drystone.settlement.path import FollowedCase, path_of

@@ -7,7 +7,7 @@ from drystone import Assembly, LoadCase, Model, Verdict, check, settle
 from drystone.mechanics.corners import joint_ends
 from drystone.mechanics.meeting import faces_apart
 from drystone.models import box, wedge
-from drystone.models.solids import prism
+from drystone.models.simple import prism
 from drystone.settlement import Carrier, End, Outcome, push
 
 WEIGHT = 2400.0 * 9.81

@@ -10,7 +10,7 @@ import pytest
 from drystone import Assembly, Block, InputError, find_contacts, models
 from drystone.geometry import polyhedron
 from drystone.models.domes import resampled
-from drystone.models.solids import sections
+from drystone.models.simple import sections
 from tests.oracle import touching_faces
 
 FAMILIES: dict[str, Assembly] = {

@@ -18,7 +18,7 @@ from drystone.cli import main
 from drystone.limits import Limit, LimitOptions, limit_friction, limit_load, limit_train
 from drystone.loads import Earth, Fill, Train
 from drystone.models import arch, box, segmental_bridge, tower, vault, wall
-from drystone.models.solids import prism
+from drystone.models.simple import prism
 from drystone.report import TitleBlock, assess, write_report
 from drystone.report.document import Document, Picture, Section
 from drystone.report.hand_checks import (

@@ -8,7 +8,7 @@ import pytest
 from drystone import Assembly, InputError, LoadCase, Model, check, settle
 from drystone.fall import fall
 from drystone.models import arch, box, tower
-from drystone.models.solids import prism
+from drystone.models.simple import prism
 from drystone.settlement import (
     End,
     Outcome,

@@ -10,9 +10,8 @@ import pytest
 from drystone import Assembly, LoadCase, Model, settle
 from drystone.base.arrays import Bools
 from drystone.contacts import Contacts
-from drystone.mechanics.bodies import build_bodies
+from drystone.mechanics.bodies import BlockPositions, build_bodies, place_corners
 from drystone.mechanics.corners import Carrier, as_turned, joint_ends, turned_joints
-from drystone.mechanics.positions import BlockPositions, place_corners
 from drystone.models import arch, box, concave, tower, wedge
 from drystone.settlement import (
     Outcome,

@@ -10,13 +10,8 @@ from drystone.geometry.frames import rotation_about
 from drystone.mechanics import follow
 from drystone.mechanics.bodies import gyration
 from drystone.models import arch, box, concave, h_model, incline, tower, wedge
-from drystone.models.solids import prism, welded
-from drystone.settlement import (
-    Outcome,
-    Settlement,
-    SettlementOptions,
-    settle,
-)
+from drystone.models.simple import prism, welded
+from drystone.settlement import Outcome, Settlement, SettlementOptions, settle
 from drystone.settlement.settling import settle_for_verdict
 
 MOVING = SettlementOptions(carrier="moving", fall=0.1)  # type: ignore[arg-type]

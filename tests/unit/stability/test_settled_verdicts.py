@@ -14,7 +14,7 @@ from drystone.design import MendOptions, find_mends
 from drystone.geometry.frames import rotation_about
 from drystone.limits.limit_types import every_stiffness
 from drystone.models import box, bridge, concave, cube_curve, h_model, random_pack, wall, wedge
-from drystone.models.solids import prism
+from drystone.models.simple import prism
 from drystone.results import Sensitivity
 from drystone.settlement import Carrier, Outcome, SettlementOptions
 from drystone.settlement.settling import settle_for_verdict

@@ -10,7 +10,7 @@ import pytest
 from scipy import sparse
 
 from drystone import LoadCase, Result, Verdict, find_contacts, models
-from drystone.base.progress import Clock
+from drystone.base.settings import Clock
 from drystone.model import Model
 from drystone.programs import RBEOptions, solve_cra, solve_cra_penalty, solve_rbe
 from drystone.solvers.program import Cones, ConicOptions, ConicStatus, prepared, solution
