@@ -140,7 +140,7 @@ def fall(
     """
     pictures = Pictures(html, section=section)
     apart([html, glb])
-    from drystone.fall.simulation import require_mujoco
+    from drystone.fall import require_mujoco
 
     require_mujoco()
     model = subject.prepared(waiting)

@@ -34,7 +34,7 @@ from drystone.sequence import Order, Plan, PlanOptions, Rules, plan
 from drystone.sequence.rules import courses
 from drystone.sequence.stages import StagedModel, check_both
 from drystone.shells import Layout, Shape, Shell, ShellBody, build_shell
-from drystone.shells.shell_options import LARGEST_WEDGE
+from drystone.shells.pattern import LARGEST_WEDGE
 
 WEDGES = (0.02, -0.2, 0.4)
 """Wedges that are tried, the shallowest first. Half blocks at open ends lie on one below zero:

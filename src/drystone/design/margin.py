@@ -18,9 +18,8 @@ from drystone.model import Model
 from drystone.results import Result
 from drystone.stability import CheckOptions, check
 from drystone.stability.asked import SAMPLES
-from drystone.stability.attempts import try_rest
-from drystone.stability.screening import PATIENT
-from drystone.stability.screening import QUICK as QUICKLY
+from drystone.stability.attempts import PATIENT, try_rest
+from drystone.stability.attempts import QUICK as QUICKLY
 
 SMALL_REGION = 4
 """Largest number of blocks with which all places are tried; with more blocks only the middle of

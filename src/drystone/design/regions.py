@@ -15,7 +15,7 @@ from drystone.design.margin import LARGE_REGION, QUICK
 from drystone.formulations.corner_forces import FrictionCone, add_contact_rows, add_corner_forces
 from drystone.model import Model
 from drystone.programs import PenaltyOptions, solve_cra_penalty, solve_rbe
-from drystone.programs.penalty import glued_state
+from drystone.programs.cra import glued_state
 from drystone.programs.rbe import BALANCE_TOLERANCE
 from drystone.results import Result
 from drystone.solvers.program import ConicStatus, ProgramBuilder

@@ -25,7 +25,7 @@ from drystone.design.search import bracket, each_needed
 from drystone.design.surgery import wedge_cut
 from drystone.io.opening import Given, LongHow, as_model
 from drystone.model import Model
-from drystone.programs.penalty import glued_state
+from drystone.programs.cra import glued_state
 from drystone.results import Result
 from drystone.stability import check
 from drystone.stability.problem import Problem

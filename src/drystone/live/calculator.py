@@ -27,9 +27,8 @@ from drystone.io import read
 from drystone.io.jsontext import Field, parse
 from drystone.live import tasks
 from drystone.live.moved_supports import MOST_AT_ONCE, CoarseSteps, at_once, verdict_of
-from drystone.live.snapshot import Found, snapshot
 from drystone.live.tasks import Cancelled, Jobs
-from drystone.live.wish import Wish, WishedModel, asked
+from drystone.live.wish import Found, Wish, WishedModel, asked, snapshot
 from drystone.mcp.answers import answer
 from drystone.mcp.folder import Folder
 from drystone.model import Model

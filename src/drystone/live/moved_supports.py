@@ -16,8 +16,7 @@ from drystone.base.errors import counted
 from drystone.base.settings import Progress
 from drystone.contacts import Contacts
 from drystone.design import DesignMargin, MendOptions
-from drystone.live.snapshot import Found
-from drystone.live.wish import WishedModel
+from drystone.live.wish import Found, WishedModel
 from drystone.mechanics.bodies import build_bodies
 from drystone.mechanics.corners import CARRIER, Carrier
 from drystone.mechanics.drive import Driver

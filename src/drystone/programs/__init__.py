@@ -2,9 +2,8 @@
 
 from drystone.formulations.corner_forces import FrictionCone, FrictionRule
 from drystone.formulations.equilibrium import Objective, Weights
-from drystone.programs.cra import CRAOptions, solve_cra
+from drystone.programs.cra import CRAOptions, PenaltyOptions, solve_cra, solve_cra_penalty
 from drystone.programs.force_states import Forces, find_forces
-from drystone.programs.penalty import PenaltyOptions, solve_cra_penalty
 from drystone.programs.rbe import RBEOptions, build_rbe, solve_rbe
 from drystone.solvers.program import ConicProgram
 

@@ -26,8 +26,7 @@ from drystone.io.opening import Given, How, as_model
 from drystone.io.registry import read_file
 from drystone.joints import by_joint
 from drystone.model import Model
-from drystone.programs.cra import solve_cra
-from drystone.programs.penalty import HELD, PULLS, PenaltyOptions, solve_cra_penalty
+from drystone.programs.cra import HELD, PULLS, PenaltyOptions, solve_cra, solve_cra_penalty
 from drystone.programs.rbe import RBEOptions, solve_rbe
 from drystone.results import Result
 from drystone.stability.problem import UNBALANCED

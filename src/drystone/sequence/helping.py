@@ -16,7 +16,7 @@ from drystone.base.settings import Stopped
 from drystone.sequence.order_search import OrderSearch
 from drystone.sequence.stage_tree import Cost, Node
 from drystone.sequence.stages import StageAnswer, mask_of, members
-from drystone.stability.screening import MANY_BLOCKS
+from drystone.stability.attempts import MANY_BLOCKS
 
 POLISHED = 8
 """Largest number of props of one stage that are tested one by one."""

@@ -35,7 +35,7 @@ from drystone.sequence.stages import (
     members,
 )
 from drystone.sequence.turns import in_turn
-from drystone.stability.screening import MANY_BLOCKS, stage_screening
+from drystone.stability.attempts import MANY_BLOCKS, stage_screening
 from drystone.stability.touching_edges import may_touch_more
 from drystone.stability.verdict import check as check_whole
 

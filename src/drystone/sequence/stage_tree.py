@@ -29,7 +29,7 @@ from drystone.sequence.evaluation import Evaluator
 from drystone.sequence.rules import BoundRules
 from drystone.sequence.scaffold_stages import ScaffoldedStages
 from drystone.sequence.stages import Stage, StageAnswer, StagedModel, mask_of, members
-from drystone.stability.screening import FEW_BLOCKS
+from drystone.stability.attempts import FEW_BLOCKS
 
 RAYS = np.linspace(0.0, 2.0 * np.pi, 16, endpoint=False)
 """Directions about a friction cone. Sums of them contain the cone, and reach 2 % farther. Without

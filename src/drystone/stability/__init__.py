@@ -1,9 +1,8 @@
 """The verdict with its proof, and the analyses that it uses."""
 
 from drystone.stability.asked import CheckOptions
-from drystone.stability.attempts import try_rest
+from drystone.stability.attempts import PATIENT, QUICK, Screening, try_rest
 from drystone.stability.check_many import check_many
-from drystone.stability.screening import PATIENT, QUICK, Screening
 from drystone.stability.verdict import check
 
 __all__ = [

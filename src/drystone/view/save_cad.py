@@ -7,9 +7,8 @@ from pathlib import Path
 
 from drystone.base.errors import FormatError, InputError
 from drystone.contacts import Contacts
-from drystone.view.glb_picture import write_glb
+from drystone.view.cad_pictures import write_3dm, write_glb
 from drystone.view.palette import PRESETS, first_preset
-from drystone.view.rhino_picture import write_3dm
 from drystone.view.subjects import Subject, scene_of
 
 _WRITERS = {".3dm": write_3dm, ".glb": write_glb}

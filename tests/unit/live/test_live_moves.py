@@ -19,9 +19,8 @@ from drystone.io.jsontext import Field
 from drystone.live import calculator
 from drystone.live.moved_supports import AfterMoving, CoarseSteps, at_once, moved_model, verdict_of
 from drystone.live.serving import Live
-from drystone.live.snapshot import Found, snapshot
 from drystone.live.tasks import TASKS, Work
-from drystone.live.wish import asked, python_lines
+from drystone.live.wish import Found, asked, python_lines, snapshot
 from drystone.models import arch, box, tower
 from drystone.settlement import (
     End,

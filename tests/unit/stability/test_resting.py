@@ -6,15 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from drystone import (
-    Assembly,
-    CheckOptions,
-    InputError,
-    LoadCase,
-    Verdict,
-    find_contacts,
-    models,
-)
+from drystone import Assembly, CheckOptions, InputError, LoadCase, Verdict, find_contacts, models
 from drystone.checks import check_forces, mechanism_defects
 from drystone.formulations.equilibrium import EquilibriumSolution
 from drystone.mechanics.law import uniform
@@ -31,12 +23,8 @@ from drystone.programs import (
 )
 from drystone.solvers.program import ConicSolution, ConicStatus
 from drystone.stability import check, try_rest
+from drystone.stability.attempts import NEAREST, PATIENT, QUICK
 from drystone.stability.problem import Problem, checked_mechanism, first_motion
-from drystone.stability.screening import (
-    NEAREST,
-    PATIENT,
-    QUICK,
-)
 
 ARCH = models.arch(0.15)
 JOINTS = find_contacts(ARCH, friction=0.9).contacts

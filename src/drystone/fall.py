@@ -1,8 +1,8 @@
-"""A fall simulated by MuJoCo, with inertia, friction and impacts.
+"""What falls, followed with inertia and impacts until it lies: a film, never a verdict.
 
-The simulator's constants have units, so the model is scaled first: blocks of 1 m on average, and
-loads that accelerate them by 9.81 m/s2 on average. Every block is its convex pieces. All loads act
-as forces on the blocks, so that any load case can be followed.
+MuJoCo simulates it. The simulator's constants have units, so the model is scaled first: blocks of 1
+m on average, and loads that accelerate them by 9.81 m/s2 on average. Every block is its convex
+pieces. All loads act as forces on the blocks, so that any load case can be followed.
 
 What a simulated fall answers: where the blocks are, frame after frame.
 
@@ -416,3 +416,6 @@ class Film(Answer):
     def save_glb(self, path: PathLike) -> None:
         """Write the film as an animated GLB; see ``write_film``."""
         write_film(self.model, self.time, self.positions, path)
+
+
+__all__ = ["FallOptions", "Film", "fall"]

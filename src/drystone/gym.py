@@ -1,6 +1,7 @@
-"""An environment of gymnasium per model, several that share a structure, and the planner.
+"""Environments of gymnasium for those who learn to build: a model is put up block by block.
 
-A structure that is put up block by block: what may be placed, and what comes of it.
+The extra ``gym`` installs gymnasium. ``gymnasium.make("drystone.gym:drystone/Assembly-v0",
+given=model)`` makes one too.
 
 A hand or a robot places a block and lets it go, or holds it. When a block is let go, all that are
 held are let go with it, as the blocks of a step of a plan are. When a hand is needed for the next
@@ -400,3 +401,12 @@ def expert_actions(env: AssemblyEnv) -> list[int]:
 
 
 gymnasium.register("drystone/Assembly-v0", entry_point=AssemblyEnv)
+
+__all__ = [
+    "AssemblyEnv",
+    "BuildingOptions",
+    "PlacedBlock",
+    "assembly_envs",
+    "expert_actions",
+    "friction_left_reward",
+]
