@@ -8,17 +8,21 @@ Rigid-Block Analysis", Computer-Aided Design 146. Angles in degrees; 180 where i
 
 from __future__ import annotations
 
+import csv
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Literal
+from importlib import resources
+from typing import Any
 
 import numpy as np
 
 from drystone import models
 from drystone.assembly import Assembly
 from drystone.base.display import OneLine
+from drystone.base.units import coefficient
+from drystone.geometry.frames import AXES
 from drystone.limits import Limit, LimitOptions, limit_tilt
 from drystone.loads import LoadCase
 from drystone.model import Model
@@ -180,11 +184,9 @@ def _why(found: Limit) -> str:
     return "between them the ends of the joints or their shear stiffness decide"
 
 
-Axis = tuple[float, float, float]
-
-X, Y = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
+X, Y = AXES["x"], AXES["y"]
 XY30 = (1.7320508075688772, 1.0, 0.0)
-XY, XNY = (1.0, 1.0, 0.0), (1.0, -1.0, 0.0)
+_AXES = {**AXES, "xy30": XY30, "xy": (1.0, 1.0, 0.0), "xny": (1.0, -1.0, 0.0)}
 
 
 @dataclass(frozen=True)
@@ -212,11 +214,11 @@ class Study(OneLine):
     model: str
     axis_name: str
     build: Callable[[], Assembly] = field(repr=False)
-    axis: Axis
+    axis: tuple[float, float, float]
     friction: float
     dem: float
     cra: float
-    rbe: float | None
+    rbe: float | None = None
     tolerance: float = 0.5
     sofistik: float | None = None
     published_axis: str = ""
@@ -224,9 +226,8 @@ class Study(OneLine):
     @property
     def axis_label(self) -> str:
         """Our name of the axis, with that of the source where it differs."""
-        published = self.published_axis.split(",")[0]
         ours = "-x" if self.axis[0] == -1.0 else self.axis_name
-        return f"{ours} (source: {published})" if published else ours
+        return f"{ours} (source: {self.published_axis})" if self.published_axis else ours
 
     @property
     def key(self) -> str:
@@ -234,70 +235,22 @@ class Study(OneLine):
         return f"{self.model} {self.axis_name} mu {self.friction:.2f}"
 
 
-WEDGES: dict[Literal["a", "b", "c", "d"], tuple[tuple[float, ...], ...]] = {
-    "a": ((21.8, 21.8, 25.0, 59.2, 59.2, 180.0), (71.3, 71.3, 71.3, 100.0, 100.0, 180.0),
-          (24.8, 24.7, 28.0, 62.7, 62.9, 180.0)),
-    "b": ((21.8, 21.8, 25.0, 58.7, 58.5, 180.0), (67.4, 67.4, 67.4, 109.1, 109.1, 180.0),
-          (24.8, 24.7, 28.0, 63.1, 62.0, 180.0)),
-    "c": ((13.0, 13.0, 13.0, 44.1, 44.1, 47.0), (41.3, 41.3, 41.3, 64.5, 64.4, 65.7),
-          (14.9, 14.9, 15.0, 48.1, 40.2, 51.0)),
-    "d": ((13.0, 13.0, 13.0, 44.1, 44.1, 50.0), (41.3, 41.3, 41.3, 70.0, 70.0, 70.0),
-          (14.9, 14.9, 15.0, 49.0, 48.5, 54.0)),
-}  # fmt: skip
-"""Per axis x, y, xy30: 3DEC, CRA, RBE at mu 0.20, then at mu 0.84."""
-
-
 def studies() -> list[Study]:
-    """All published tilt tests, in the order of the dissertation."""
-    found: list[Study] = []
-    build: Callable[[], Assembly]
-    dem: float
-    cra: float
-    rbe: float
-    sofistik: float
-    for kind, rows in WEDGES.items():
-        for (name, axis), row in zip((("x", X), ("y", Y), ("xy30", XY30)), rows, strict=True):
-            for friction, published in ((0.20, row[:3]), (0.84, row[3:])):
-                build = partial(models.wedge, kind)
-                dem, cra, rbe = published
-                found.append(Study(f"type-{kind}", name, build, axis, friction, dem, cra, rbe))
-    # the long one is published as "xy", but the figures are those of the tilt about y: the plank
-    # slides out at tan(tilt) = mu (1 + 2 c / d), its centre c beyond the slab's edge and hooked d
-    # behind it
-    planks: tuple[tuple[Literal["short", "long"], str, float, float, float], ...] = (
-        ("short", "x", 0.84, 40, 40),
-        ("short", "x", 0.10, 5, 5),
-        ("long", "xy", 0.84, 56, 54),
-        ("long", "xy", 0.10, 10, 9),
-    )
-    for plank, told, mu, dem, cra in planks:
-        build = partial(models.concave, plank)
-        name = f"concave-{plank}"
-        found.append(Study(name, "y", build, Y, mu, dem, cra, None, 1.5, published_axis=told))
-    for name, axis, dem, cra, rbe, sofistik in (
-        ("y", Y, 8, 8, 8, 8),
-        ("-y", (0.0, -1.0, 0.0), 53, 53, 53, 53),
-        ("x", X, 24, 24, 26, 24),
-        ("xy", XY, 11, 12, 12, 12),
-        ("xny", XNY, 46, 47, 48, 47),
-    ):
-        build = models.curve_three_blocks
-        found.append(Study("curve-3-blocks", name, build, axis, 0.84, dem, cra, rbe, 1.5, sofistik))
-    heights: tuple[tuple[Literal["short", "tall"], Sequence[tuple[float, float, float]]], ...] = (
-        ("short", ((72, 70, 70), (68, 69, 64), (80, 79, 79))),
-        ("tall", ((41, 40, 38), (39, 39, 38), (59, 51, 58))),
-    )
-    for height, angles in heights:
-        for (name, axis), (dem, cra, sofistik) in zip(
-            (("x", (-1.0, 0.0, 0.0)), ("xy", XY), ("xny", XNY)), angles, strict=True
-        ):
-            build = partial(models.cube_curve, height)
-            model = f"cube-curve-{height}"
-            turned = "x, which runs along -x of the files" if name == "x" else ""
-            found.append(
-                Study(model, name, build, axis, 0.84, dem, cra, 180.0, 1.5, sofistik, turned)
-            )
-    for angle, tilt in ((43.0, 8.2), (21.8, 3.0)):
-        mu = float(np.tan(np.deg2rad(angle)))
-        found.append(Study("arch", "y", models.arch, Y, mu, tilt, tilt, tilt))
-    return found
+    """All published tilt tests, in the order of the dissertation: ``tilt_tests.csv``.
+
+    The long hooked plank is published as turned about "xy", but the figures are those of the tilt
+    about y: it slides out at tan(tilt) = mu (1 + 2 c / d), its centre c beyond the slab's edge and
+    hooked d behind it. The x of the curved cubes runs along -x of the files.
+    """
+    text = resources.files("drystone.reproduce").joinpath("tilt_tests.csv").read_text("utf-8")
+    return [_study(row) for row in csv.DictReader(text.splitlines())]
+
+
+def _study(row: Mapping[str, str]) -> Study:
+    """A row of the file; a model is built by a family and its parameter."""
+    family, *kind = row["build"].split()
+    words: dict[str, Any] = {name: row[name] for name in ("model", "axis_name", "published_axis")}
+    degrees = ("dem", "cra", "rbe", "tolerance", "sofistik")
+    words |= {name: float(row[name]) for name in degrees if row[name]}
+    build, axis = partial(getattr(models, family), *kind), _AXES[row["axis"]]
+    return Study(build=build, axis=axis, friction=coefficient(row["friction"]), **words)

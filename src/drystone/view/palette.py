@@ -16,75 +16,46 @@ from drystone.answer.scene import Layer, Scene, State
 from drystone.base.arrays import Floats
 from drystone.base.display import OneLine
 
-STATE_LABEL = {
-    State.FREE: "free block",
-    State.SUPPORT: "support",
-    State.FALLING: "falls",
-    State.HELD: "held while it is placed",
-    State.PROPPED: "propped",
-    State.LATER: "propped later",
-    State.COMING: "placed now",
-    State.ADDED: "added",
+_THEMES = ("light", "dark")
+
+_STATES = {
+    State.FREE: ("free block", "#d9d5cb", "#b5b1a7"),
+    State.SUPPORT: ("support", "#566070", "#66717f"),
+    State.FALLING: ("falls", "#cc79a7", "#cc79a7"),
+    State.HELD: ("held while it is placed", "#e69f00", "#e69f00"),
+    State.PROPPED: ("propped", "#d55e00", "#d55e00"),
+    State.LATER: ("propped later", "#d9d5cb", "#b5b1a7"),
+    State.COMING: ("placed now", "#56b4e9", "#56b4e9"),
+    State.ADDED: ("added", "#d55e00", "#d55e00"),
+}
+"""Words for each state, and its colours by theme."""
+
+STATE_LABEL = {state: words for state, (words, *_) in _STATES.items()}
+STATE_COLOUR = {
+    theme: {state: one[i] for state, one in _STATES.items()} for i, theme in enumerate(_THEMES, 1)
 }
 
-STATE_COLOUR = {
-    "light": {
-        State.FREE: "#d9d5cb",
-        State.SUPPORT: "#566070",
-        State.FALLING: "#cc79a7",
-        State.HELD: "#e69f00",
-        State.PROPPED: "#d55e00",
-        State.LATER: "#d9d5cb",
-        State.COMING: "#56b4e9",
-        State.ADDED: "#d55e00",
-    },
-    "dark": {
-        State.FREE: "#b5b1a7",
-        State.SUPPORT: "#66717f",
-        State.FALLING: "#cc79a7",
-        State.HELD: "#e69f00",
-        State.PROPPED: "#d55e00",
-        State.LATER: "#b5b1a7",
-        State.COMING: "#56b4e9",
-        State.ADDED: "#d55e00",
-    },
+_ROLES = {
+    "background": ("#ffffff", "#14171b"),
+    "edge": ("#2e2b26", "#c9c5bc"),
+    "cut": ("#736e66", "#9e998f"),
+    "selection": ("#f0e442", "#f0e442"),
+    "interface": ("#0072b2", "#56b4e9"),
+    "pressure": ("#0072b2", "#56b4e9"),
+    "network": ("#00734f", "#35d6a4"),
+    "resultant": ("#009e73", "#35d6a4"),
+    "hinge": ("#56b4e9", "#56b4e9"),
+    "help": ("#c8102e", "#ff5c66"),
+    "missed": ("#e69f00", "#e69f00"),
+    "added": ("#d55e00", "#d55e00"),
+    "kern": ("#cc79a7", "#e3a3c6"),
+    "load": ("#1d1b18", "#eceae5"),
+    "reaction": ("#46566b", "#a9bad0"),
 }
+"""Colours of each role by theme."""
 
 ROLE_COLOUR = {
-    "light": {
-        "background": "#ffffff",
-        "edge": "#2e2b26",
-        "cut": "#736e66",
-        "selection": "#f0e442",
-        "interface": "#0072b2",
-        "pressure": "#0072b2",
-        "network": "#00734f",
-        "resultant": "#009e73",
-        "hinge": "#56b4e9",
-        "help": "#c8102e",
-        "missed": "#e69f00",
-        "added": "#d55e00",
-        "kern": "#cc79a7",
-        "load": "#1d1b18",
-        "reaction": "#46566b",
-    },
-    "dark": {
-        "background": "#14171b",
-        "edge": "#c9c5bc",
-        "cut": "#9e998f",
-        "selection": "#f0e442",
-        "interface": "#56b4e9",
-        "pressure": "#56b4e9",
-        "network": "#35d6a4",
-        "resultant": "#35d6a4",
-        "hinge": "#56b4e9",
-        "help": "#ff5c66",
-        "missed": "#e69f00",
-        "added": "#d55e00",
-        "kern": "#e3a3c6",
-        "load": "#eceae5",
-        "reaction": "#a9bad0",
-    },
+    theme: {role: one[i] for role, one in _ROLES.items()} for i, theme in enumerate(_THEMES)
 }
 
 
