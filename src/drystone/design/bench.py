@@ -5,7 +5,7 @@ from __future__ import annotations
 import enum
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -27,9 +27,6 @@ from drystone.design.search import bracket, least, least_from_above
 from drystone.design.words import joint_name, names_of
 from drystone.model import Model
 from drystone.results import Result
-
-if TYPE_CHECKING:
-    from drystone.design.needs import Needs
 
 Near: TypeAlias = list[dict[int, Floats]]
 """Rest states of the last model that stood, in each case of the margin."""
@@ -315,38 +312,23 @@ class Tries:
     told: Callable[[Change], Held] | None = None
 
 
-@dataclass(frozen=True, eq=False)
-class KnownNeeds:
-    """What the changes of a region are proposed from.
-
-    Attributes
-    ----------
-    bench
-    needs
-        What the diagnosis found that would hold it, without a margin.
-    known
-        Whether that is of the same local model: not where supports have moved.
-    """
-
-    bench: Bench
-    needs: Needs
-    known: bool
-
-
 Proposals: TypeAlias = Iterator[Tries | Tried | str]
 """Changes to try, and why others are not tried."""
 
 
-def held_by(kind: str, proposals: Proposals, asked: KnownNeeds) -> Iterator[Held]:
-    """The changes of a kind that hold a region, with their least values; else it is noted why."""
-    bench, holds = asked.bench, False
+def held_by(bench: Bench, kind: str, proposals: Proposals, known: bool) -> Iterator[Held]:
+    """The changes of a kind that hold a region, with their least values; else it is noted why.
+
+    ``known``: whether the least values without a margin are those of its local model.
+    """
+    holds = False
     for tries in proposals:
         if isinstance(tries, Tried):
             bench.tried.append(tries)
         elif isinstance(tries, str):
             bench.fail(kind, tries)
         elif not (tries.last and holds):
-            found = _held(bench, tries, asked.known)
+            found = _held(bench, tries, known)
             holds = holds or bool(found)
             yield from found
             if not found and tries.why:

@@ -13,7 +13,7 @@ import numpy as np
 from drystone.base.arrays import Floats, Ints, lengths
 from drystone.base.errors import InputError
 from drystone.base.units import quantity
-from drystone.design.bench import Bench, Held, KnownNeeds, Proposals, Take, Tried, Tries, held_by
+from drystone.design.bench import Bench, Held, Proposals, Take, Tried, Tries, held_by
 from drystone.design.changed_model import acceleration_of, changed
 from drystone.design.changes import (
     MOST,
@@ -26,7 +26,7 @@ from drystone.design.changes import (
 )
 from drystone.design.margin import LARGE_REGION, SMALL_REGION
 from drystone.design.mends_beside import prop, support, tie
-from drystone.design.needs import SEARCHED, pulls_of_region
+from drystone.design.needs import SEARCHED, KnownNeeds, pulls_of_region
 from drystone.design.surgery import merge_blocks, thicken_blocks, thickness_of
 from drystone.design.words import glue_words, listed, names_of, towards
 from drystone.model import Model
@@ -328,4 +328,4 @@ def holding(kind: str, asked: KnownNeeds) -> Iterator[Held]:
         what = f"not tried on a region of more than {largest} blocks"
         bench.tried.append(Tried(kind, what, "on so many blocks (drystone shape may help)"))
         return
-    yield from held_by(kind, _PROPOSED[kind](asked), asked)
+    yield from held_by(bench, kind, _PROPOSED[kind](asked), asked.known)

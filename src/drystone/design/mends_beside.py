@@ -15,10 +15,10 @@ from drystone.base.display import rounded_up
 from drystone.base.errors import counted
 from drystone.base.units import quantity
 from drystone.checks import first_motion_of
-from drystone.design.bench import Bench, Held, KnownNeeds, Proposals, Take, Tries
+from drystone.design.bench import Bench, Held, Proposals, Take, Tries
 from drystone.design.changes import Change, block_added, props_at
 from drystone.design.margin import SMALL_REGION, DesignMargin, quick_check
-from drystone.design.needs import props_of
+from drystone.design.needs import KnownNeeds, props_of
 from drystone.design.props import PropSeat, carries, find_props, struts
 from drystone.design.search import least
 from drystone.design.words import force_words, listed, names_of, place

@@ -449,3 +449,21 @@ class Form:
         by_volume = self.density * (whole[:, :3] @ self.acceleration)
         by_centroid = -cross(self.extra[:, :3], whole[:, 3:])
         return self.bodies.measures_pulled_back(vertex, by_volume, by_centroid)
+
+
+@dataclass(frozen=True, eq=False)
+class KnownNeeds:
+    """What the changes of a region are proposed from.
+
+    Attributes
+    ----------
+    bench
+    needs
+        What the diagnosis found that would hold it, without a margin.
+    known
+        Whether that is of the same local model: not where supports have moved.
+    """
+
+    bench: Bench
+    needs: Needs
+    known: bool

@@ -14,12 +14,13 @@ from drystone.base.display import named
 from drystone.base.errors import InputError
 from drystone.base.settings import Clock, Stopped
 from drystone.base.units import mass
-from drystone.design.bench import Bench, KnownNeeds, Near, Tried
+from drystone.design.bench import Bench, Near, Tried
 from drystone.design.changed import Changed, Kept, free_mass
 from drystone.design.changes import Change
 from drystone.design.diagnosis import Region
 from drystone.design.margin import DesignMargin
 from drystone.design.mend_kinds import holding
+from drystone.design.needs import KnownNeeds
 from drystone.design.search import bracket, least
 from drystone.model import Model
 from drystone.results import Result, Verdict

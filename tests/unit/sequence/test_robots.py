@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from drystone import InputError, Model, Structure, Verdict, plan
+from drystone import InputError, Model, Structure, plan
 from drystone.answer import Role, State
 from drystone.assembly import Assembly, replace_block
 from drystone.base.display import rounded_up
@@ -432,7 +432,7 @@ def test_turns_are_an_answer_with_a_page() -> None:
     failed = take_turns(arch(0.15, 11), robots=weak, friction=0.7)
     told = "'a' would hold 'voussoir-06' with 774 N, and its payload is 589 N"
     assert failed.sentences()[-1].text == told
-    assert failed.layers().stages[-1].verdict is Verdict.UNSTABLE
+    assert failed.layers().stages[-1].role is Role.BAD
     stopped = take_turns(arch(0.15, 11), friction=0.7, time_limit_s=0.0)
     assert len(stopped.turns) == 1
     assert stopped.news is Role.UNSURE
