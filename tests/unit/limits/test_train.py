@@ -17,7 +17,6 @@ from drystone.limits import LimitOptions, limit_load, limit_train
 from drystone.loads import Fill, Train
 from drystone.loads.fill import Tops
 from drystone.models import box, segmental_bridge, tower
-from drystone.results import Verdict
 from drystone.solvers.program import ConicProgram, ProgramBuilder
 
 FILL = Fill(cover=0.3, weight=2e4)
@@ -60,7 +59,7 @@ def test_the_worst_place_stands_just_below_its_limit_and_falls_just_above(bridge
     assert told in replace(under, factors=least.factors).figure().caption
     first, beyond = under.layers().stages[:2]
     assert first.headline == under.title
-    assert first.verdict is Verdict.UNSTABLE
+    assert first.role is Role.BAD
     assert beyond.headline.startswith(f"{under.title}; falls at ")
     drawn = replace(least, factors=0.7 * least.factors).figure().marks
     assert [one.y.tolist() for one in drawn if one.label == "the train: 1"] == [[1.0, 1.0]]
