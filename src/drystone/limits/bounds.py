@@ -12,6 +12,7 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
+from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
@@ -387,11 +388,32 @@ class Position(NamedTuple):
         """Where it is."""
         return f"x = {self.place:.3g} m"
 
+    def worked(self, motion: Floats) -> Floats:
+        """Power (p, m) of the line load on each piece in mechanisms (m, n, 6)."""
+        flat = motion.reshape(len(motion), -1).T
+        return np.asarray(self.pieces.reshape(len(self.pieces), len(flat)) @ flat)
+
     def power(self, motion: Floats) -> Floats:
         """(m,) in mechanisms (m, n, 6): of the axles, and of the line load where it is adverse."""
-        flat = motion.reshape(len(motion), -1).T
-        pieces = self.pieces.reshape(len(self.pieces), len(flat)) @ flat
-        return np.asarray(self.axles.ravel() @ flat + np.maximum(pieces, 0.0).sum(axis=0))
+        axles = motion.reshape(len(motion), -1) @ self.axles.ravel()
+        return np.asarray(axles + np.maximum(self.worked(motion), 0.0).sum(axis=0))
+
+    def adverse(self, motion: Floats) -> Bools:
+        """Pieces (p,) on which the line load works in a mechanism (n, 6)."""
+        return np.asarray(self.worked(motion[None])[:, 0] > 0.0)
+
+    def on(self, line: Floats) -> Bools:
+        """Pieces (p,) with their middle in one of some stretches (s, 2) [m]."""
+        middle = self.ends.mean(axis=1)[:, None]
+        return np.asarray(((middle > line[:, 0]) & (middle < line[:, 1])).any(axis=1))
+
+    def line(self, adverse: Bools) -> Floats:
+        """Stretches (s, 2) [m] of the road that pieces (p,) make up."""
+        ends = self.ends[adverse]
+        if not len(ends):
+            return ends
+        gap = ends[1:, 0] > ends[:-1, 1] + 1e-9
+        return np.stack([ends[np.append(True, gap), 0], ends[np.append(gap, True), 1]], axis=1)
 
     def load(self, adverse: Bools) -> LoadCase:
         """The axles, and the line load on some pieces (p,)."""
@@ -419,11 +441,7 @@ class PlacedTrain(NamedTuple):
     @property
     def line(self) -> Floats:
         """Stretches (s, 2) [m] of the road on which the line load acts."""
-        ends = self.at.ends[self.adverse]
-        if not len(ends):
-            return ends
-        gap = ends[1:, 0] > ends[:-1, 1] + 1e-9
-        return np.stack([ends[np.append(True, gap), 0], ends[np.append(gap, True), 1]], axis=1)
+        return self.at.line(self.adverse)
 
 
 @dataclass(frozen=True, eq=False)
@@ -461,43 +479,67 @@ class Crossing:
             each.append(scaled_wrench(self.problem.statics, LoadCase(alone)).ravel())
         return sparse.csc_matrix(np.array(each).T) if each else None
 
-    def __call__(self, place: float) -> PlacedTrain:
-        """The largest factor of the train at a place: the lesser one of both ways it may move."""
-        return min((self._placed(place, one) for one in self.train.ways), key=_factor)
+    def __call__(self, asked: tuple[float, Sequence[Floats]]) -> PlacedTrain:
+        """The largest factor of the train at a place: the lesser one of both ways it may move.
+
+        With the place [m] come stretches (s, 2) [m] of the line load from which it is descended.
+        """
+        place, lines = asked
+        return min((self._placed(place, one, lines) for one in self.train.ways), key=_factor)
+
+    def lines(self, count: int) -> list[list[Floats]]:
+        """For each of some places stretches of the line load to begin with.
+
+        All and none of it at each; of the others, from one sixth of the road to another, each at
+        one place at least. At 270 places of nine bridges what mechanisms of all places then make
+        of it is within 0.11 % of the least of 59 starts; all and none had up to 108 % more.
+        """
+        low, high = self.tops.road.ends
+        ends = list(combinations(np.linspace(low, high, 7).tolist(), 2))
+        each = [np.array([one]) for one in ends]
+        every = [np.array([[-np.inf, np.inf]]), np.zeros((0, 2))]
+        return [[*every, *each[i % len(each) :: count]] for i in range(count)]
 
     def at(self, places: Floats, train: Train) -> Iterator[Position]:
         """The train, or what it is turned round, at places [m]."""
         for place, axles in zip(places.tolist(), train.on(self.tops, places), strict=True):
             yield Position(place, train, axles, *train.pieces(self.tops, place))
 
-    def known(self, found: Sequence[PlacedTrain]) -> Callable[[Floats], Floats]:
+    def known(
+        self, found: Sequence[PlacedTrain]
+    ) -> Callable[[Floats], tuple[Floats, list[Floats]]]:
         """What mechanisms found at some places say of all: no larger factor is carried there.
 
-        A mechanism ends the train wherever that is when its power makes up for what resists.
+        A mechanism ends the train wherever that is when its power makes up for what resists. With
+        the factors (p,) come the stretches of the line load by which they are.
         """
         ended = [one for one in found if 0.0 < one.factor < math.inf]
         motion = np.array([self.problem.mechanism(one.found.state.multiplier) for one in ended])
         each = zip(ended, motion, strict=True)
         resists = np.array([one.factor * one.at.power(by[None])[0] for one, by in each])
 
-        def factor(places: Floats) -> Floats:
-            each = [[at.power(motion) for at in self.at(places, way)] for way in self.train.ways]
-            power = np.array(each)
-            least = np.divide(resists, power, np.full_like(power, np.inf), where=power > 0.0)
-            return np.asarray(least.min(axis=(0, 2)))
+        def factor(places: Floats) -> tuple[Floats, list[Floats]]:
+            ways = [self.at(places, way) for way in self.train.ways]
+            least, lines = [], []
+            for alike in zip(*ways, strict=True):
+                power = np.array([at.power(motion) for at in alike])
+                ends = np.divide(resists, power, np.full_like(power, np.inf), where=power > 0.0)
+                way, by = np.unravel_index(ends.argmin(), ends.shape)
+                least.append(ends[way, by])
+                lines.append(alike[way].line(alike[way].adverse(motion[by])))
+            return np.array(least), lines
 
         return factor
 
-    def _placed(self, place: float, train: Train) -> PlacedTrain:
-        """The least of the largest factors over all stretches of the line load.
+    def _placed(self, place: float, train: Train, lines: Sequence[Floats]) -> PlacedTrain:
+        """The least of the largest factors over stretches of the line load.
 
-        From none of it and the whole, or a quarter where both are carried whatever the factor, as
-        on a plank that tips to either side; and from the best with its ends moved by two pieces. At
-        20 places of four bridges it is what 24 starts find; without moved ends 2.7 % more at one.
+        It is descended from each, then from the best with its ends moved by two pieces.
         """
         (at,) = self.at(np.array([place]), train)
         known: dict[bytes, PlacedTrain] = {}
         largest = PlaneFactors.of(self.problem.statics, self.options.cone, self._reserve)
+        free = self.problem.model.assembly.free
 
         def under(adverse: Bools) -> PlacedTrain:
             key = adverse.tobytes()
@@ -505,32 +547,21 @@ class Crossing:
                 known[key] = PlacedTrain(at, largest(self._scaled(at.load(adverse))), adverse)
             return known[key]
 
-        count, free = len(at.ends), self.problem.model.assembly.free
-        loaded = count and at.axles[free].any()
-        starts = [np.full(count, one) for one in ((True, False) if loaded else (True,))]
-        best = min((self._descended(under, each) for each in starts), key=_factor)
-        if best.factor == math.inf and count:
-            starts = [np.arange(count) * 4 // count == i for i in range(4)]
-            best = min((self._descended(under, each) for each in starts), key=_factor)
-        return self._with_moved_ends(under, best)
-
-    def _with_moved_ends(
-        self, under: Callable[[Bools], PlacedTrain], best: PlacedTrain
-    ) -> PlacedTrain:
-        """The best of stretches whose ends are moved, again as long as the factor decreases."""
-        while True:
-            others = [self._descended(under, each) for each in _moved(best.adverse)]
-            one = min(others, key=_factor, default=best)
+        starts = [at.on(one) for one in lines]
+        acting = [one for one in starts if at.load(one).wrench[free].any()]
+        best = min((self._descended(under, each) for each in acting or starts), key=_factor)
+        while moved := _moved(best.adverse):
+            one = min((self._descended(under, each) for each in moved), key=_factor)
             if not _less(one, best):
-                return best
+                break
             best = one
+        return best
 
     def _descended(self, under: Callable[[Bools], PlacedTrain], adverse: Bools) -> PlacedTrain:
         """The line load where the mechanism moves down, again as long as the factor decreases."""
         best = under(adverse)
         while len(adverse) and 0.0 < best.factor < math.inf:
-            motion = self.problem.mechanism(best.found.state.multiplier)
-            one = under(np.einsum("pni,ni->p", best.at.pieces, motion) > 0.0)
+            one = under(best.at.adverse(self.problem.mechanism(best.found.state.multiplier)))
             if not _less(one, best):
                 break
             best = one

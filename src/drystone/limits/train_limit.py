@@ -561,16 +561,21 @@ def _placed(
 
     ``fine``: share of the least factor by which more places must lower it to go on.
     """
-    found: list[PlacedTrain] = []
+    found: dict[float, PlacedTrain] = {}
+    asked = list(zip(places, crossing.lines(len(places)), strict=True))
     with WorkerPool(clock.workers) as pool:
-        for one in pool.answers(crossing, places, clock.late):
-            found.append(one)
-            clock.tell("places", len(found), len(places))
         least = np.inf
-        while not clock.late() and 0.0 < _least(found) < (1.0 - fine) * least:
-            least = _least(found)
-            found += pool.answers(crossing, _lower(crossing, found, fine), clock.late)
-    return sorted(found, key=lambda one: one.at.place)
+        while asked:
+            for one in pool.answers(crossing, asked, clock.late):
+                found[one.at.place] = min(one, found.get(one.at.place, one), key=_factor)
+                clock.tell("places", min(len(found), len(places)), len(places))
+            every = list(found.values())
+            if clock.late() or not 0.0 < _least(every) < np.inf:
+                break
+            asked = _sooner(crossing, every, fine)
+            if not asked and _least(every) < (1.0 - fine) * least:
+                least, asked = _least(every), _lower(crossing, every, fine)
+    return sorted(found.values(), key=lambda one: one.at.place)
 
 
 def _range(values: Floats) -> str:
@@ -579,19 +584,36 @@ def _range(values: Floats) -> str:
     return high if low == high else f"{low} to {high}"
 
 
+def _factor(one: PlacedTrain) -> float:
+    return one.factor
+
+
 def _least(found: Sequence[PlacedTrain]) -> float:
     return min((one.factor for one in found), default=np.inf)
 
 
-def _lower(crossing: Crossing, found: Sequence[PlacedTrain], fine: float) -> list[float]:
+def _sooner(
+    crossing: Crossing, found: Sequence[PlacedTrain], fine: float
+) -> list[tuple[float, list[Floats]]]:
+    """Places [m] known at which mechanisms of others end the train sooner, and by which line."""
+    places = np.array([one.at.place for one in found])
+    factor, lines = crossing.known(found)(places)
+    each = zip(found, factor.tolist(), lines, strict=True)
+    return [(one.at.place, [line]) for one, least, line in each
+            if least < (1.0 - fine) * one.factor]  # fmt: skip
+
+
+def _lower(
+    crossing: Crossing, found: Sequence[PlacedTrain], fine: float
+) -> list[tuple[float, list[Floats]]]:
     """Places [m] where mechanisms known of others end the train below the least factor.
 
-    The worst one of each stretch of such places.
+    The worst one of each stretch of such places, with the line load by which it is.
     """
     known, least = crossing.known(found), _least(found)
     (low, high), reach = crossing.tops.road.ends, 0.5 * crossing.train.length
     places = np.linspace(low - reach, high + reach, 401)  # 801 lower 12 factors by 0.02 % at most
-    factor, last = known(places), len(places) - 1
+    factor, last = known(places)[0], len(places) - 1
     room = 1.0 + 10.0 * fine  # it may be lower between two: a beam's by 0.6 %
     runs = np.split(np.arange(last + 1), np.flatnonzero(np.diff(factor < room * least)) + 1)
     near = [
@@ -599,13 +621,21 @@ def _lower(crossing: Crossing, found: Sequence[PlacedTrain], fine: float) -> lis
         for at in (run[factor[run].argmin()] for run in runs)
         if factor[at] < room * least
     ]
-    return [at for at in near if known(np.array([at]))[0] < (1.0 - fine) * least]
+    new = [(at, line) for at, lower, line in near if lower < (1.0 - fine) * least]
+    each = zip(new, crossing.lines(len(new)), strict=True)
+    return [(at, [*more, line]) for (at, line), more in each]
 
 
-def _lowest(known: Callable[[Floats], Floats], low: float, high: float) -> float:
-    """The place [m] of the least factor between two, to a 128th of what is between them."""
+def _lowest(
+    known: Callable[[Floats], tuple[Floats, list[Floats]]], low: float, high: float
+) -> tuple[float, float, Floats]:
+    """The place [m] of the least factor between two, to a 128th of what is between them.
+
+    With the factor, and the stretches of the line load by which it is.
+    """
     for _ in range(2):
         places = np.linspace(low, high, 17)
-        at = int(known(places).argmin())
+        factor, lines = known(places)
+        at = int(factor.argmin())
         low, high = places[[max(at - 1, 0), min(at + 1, 16)]]
-    return float(places[at])
+    return float(places[at]), float(factor[at]), lines[at]

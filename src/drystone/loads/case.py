@@ -487,7 +487,7 @@ class LoadCase(OneLine):
             tuple(dict.fromkeys(chain.from_iterable(notes))),
             _added(motion),
             _added(acceleration),
-            SurfaceLoad.of_all(surfaces) if surfaces else None,
+            SurfaceLoad.of_all(surfaces),
             tuple(chain.from_iterable(x.fills for x in cases)),
             shake=_added(shake),
             given=_added(given),

@@ -267,9 +267,10 @@ class Tops:
         """Wrenches (p, n, 6) of a line load [N/m] on pieces (p, 2) of the road; kept."""
         asked = [(line, across, *each) for each in ends.tolist()]
         new = [i for i, each in enumerate(asked) if each not in self._pieces]
-        long = np.ptp(ends[new], axis=1)
-        made = self.spread(line * long, ends[new].mean(axis=1), long, across)
-        self._pieces.update(zip([asked[i] for i in new], made, strict=True))
+        if new:
+            long = np.ptp(ends[new], axis=1)
+            made = self.spread(line * long, ends[new].mean(axis=1), long, across)
+            self._pieces.update(zip([asked[i] for i in new], made, strict=True))
         return np.array([self._pieces[each] for each in asked])
 
     @cached_property

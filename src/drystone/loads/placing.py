@@ -141,9 +141,9 @@ class SurfaceLoad(OneLine):
     wrench: Floats
 
     @classmethod
-    def of_all(cls, several: Sequence[SurfaceLoad]) -> SurfaceLoad:
+    def of_all(cls, several: Sequence[SurfaceLoad]) -> SurfaceLoad | None:
         """The sum of some: on lines that lie on each other the tractions are added."""
-        return functools.reduce(cls._with, several)
+        return functools.reduce(cls._with, several) if several else None
 
     def _with(self, other: SurfaceLoad) -> SurfaceLoad:
         wrench = self.wrench + other.wrench

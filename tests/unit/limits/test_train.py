@@ -162,6 +162,21 @@ def test_no_stretch_of_the_line_load_is_worse_than_the_one_found(bridge: Model) 
             assert found.factors[0] <= (other.falls or np.inf)
 
 
+def test_a_line_load_is_found_on_one_of_two_spans_on_a_free_pier() -> None:
+    """Of all stretches an own plane program has 0.97223 and 1.12828; 1.0392 and 1.2162 were said.
+
+    On fill without weight, which no surface load is drawn of.
+    """
+    made = segmental_bridge(spans=2, height=4.0, voussoirs=4, pier=1.0, courses=2)
+    train = Train("line", (0.0,), (1e4,), contact=0.4, line=3e4)
+    fill, quick = Fill(0.0, 0.0, spread=0.0), LimitOptions(equilibrium_only=True)
+    model = Model.of(made, friction=0.6)
+    found = limit_train(model, train=train, fill=fill, steps=1, options=quick)
+    known = dict(zip(found.places.round(3).tolist(), found.factors.tolist(), strict=True))
+    assert (known[2.967], known[6.5]) == pytest.approx((0.97223, 1.12828), rel=1e-4)
+    assert found.worst == list(known).index(2.967)
+
+
 def test_the_programs_of_one_place_are_one_program(
     bridge: Model, monkeypatch: pytest.MonkeyPatch
 ) -> None:
