@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from importlib import resources
@@ -25,6 +26,7 @@ from drystone.model import Model
 
 _KINDS = ("permanent", "variable", "accidental", "seismic")
 _DIVIDED = "friction", "strength", "tie"
+_OWN = "kind", "group", "together", "reversible"
 _MOST = 1000
 """Combinations of a file. Chosen: a quarter of an hour of small models."""
 
@@ -46,6 +48,10 @@ class Action(OneLine):
         Unfavourable and favourable, where they are not those of the situation.
     group
         Of the variable actions of a group one acts at a time.
+    together
+        Variable actions of the same name are one action of several components: all lead, or none.
+    beside
+        Share of its value that acts beside others of ``together``.
     reversible
         Whether it acts in the opposite direction as well.
     parts
@@ -58,6 +64,8 @@ class Action(OneLine):
     psi: tuple[float, float, float] = (1.0, 1.0, 1.0)
     factors: tuple[float, float] | None = None
     group: str = ""
+    together: str = ""
+    beside: float = 1.0
     reversible: bool = False
     parts: tuple[LoadCase, ...] = ()
 
@@ -78,7 +86,14 @@ class Action(OneLine):
         told = " + ".join(one.name for one in self.parts)
         told += "; shaken" if any(one.kind == "load" for one in self.load.masses) else ""
         told += f"; one of group {self.group} at a time" if self.group else ""
+        told += f"; leads with all of {self.together}" if self.together else ""
+        told += f", beside them {self.beside:g} of it" if self.beside != 1.0 else ""
         return told + ("; or reversed" if self.reversible else "")
+
+    @property
+    def leads(self) -> tuple[str, str]:
+        """What it leads with, alike for all that lead together."""
+        return self.together, "" if self.together else self.name
 
     @property
     def signs(self) -> tuple[float, ...]:
@@ -195,7 +210,8 @@ def read_combinations(path: PathLike, model: Model) -> list[Combination]:
         ``BLOCK:WHAT``, or a list of these; ``shaken``: its downward forces are weights of masses,
         which earthquakes shake as they do fill and masses in kg; ``blocks``, to which gravity is
         restricted; ``psi`` or ``category`` of variable actions; ``factors``: unfavourable and
-        favourable; ``group``; ``reversible``.
+        favourable; ``group``, of which one acts at a time; ``together``: a name, alike in all that
+        lead as one action, of ``tandem``, ``udl`` and ``footway`` ``gr1a``; ``reversible``.
     model
 
     Raises
@@ -400,9 +416,7 @@ def _factors(one: Field) -> tuple[float, float]:
 
 
 def _action(name: str, one: Field, model: Model, standard: Field) -> Action:
-    one.only(
-        ("kind", "load", "shaken", "blocks", "psi", "category", "factors", "group", "reversible")
-    )
+    one.only((*_OWN, "load", "shaken", "blocks", "psi", "category", "factors"))
     kind = one["kind"]
     if kind.text() not in _KINDS:
         raise kind.error(f"is '{kind.text()}'", f"give {', '.join(_KINDS)}")
@@ -410,19 +424,34 @@ def _action(name: str, one: Field, model: Model, standard: Field) -> Action:
     parts = _parts(name, one, model)
     load = LoadCase.combine([(1.0, part) for part in parts], name)
     factors = _factors(one["factors"]) if one.has("factors") else None
-    psi = (1.0, 1.0, 1.0)
+    psi, together, beside = (1.0, 1.0, 1.0), "", 1.0
     if kind.text() == "variable":
         known = _with_psi(one, standard)
         psi = _psi(known["psi"])
-        if known is not one and factors is None and known.has("factor"):
-            factors = (known["factor"].number(), 0.0)
-    group, reversible = one.get("group", "").text(), one.get("reversible", False).boolean()
-    return Action(name, kind.text(), load, psi, factors, group, reversible, tuple(parts))
+        together = one.get("together", known.get("together", "").value).text()
+        if known is not one:
+            beside = known.get("beside", 1.0).number()
+            if factors is None and known.has("factor"):
+                factors = (known["factor"].number(), 0.0)
+    reversible = one.get("reversible", False).boolean()
+    acts = _group(one, standard), together, beside, reversible, tuple(parts)
+    return Action(name, kind.text(), load, psi, factors, *acts)
+
+
+def _group(one: Field, standard: Field) -> str:
+    """Of which one acts at a time: no name of what acts together in the standard."""
+    name = one.get("group", "").text()
+    if name and name in {x.get("together", "").text() for _, x in standard["category"].items()}:
+        raise one["group"].error(
+            f"is '{name}', and of a group one case acts at a time",
+            f'write together = "{name}" where all of {name} acts',
+        )
+    return name
 
 
 def _refuse_of_others(one: Field, kind: str) -> None:
     """Refuse what only cases of other kinds have."""
-    without = [] if kind == "variable" else ["psi", "category", "group"]
+    without = [] if kind == "variable" else ["psi", "category", "group", "together"]
     without += {"permanent": ["reversible"], "variable": []}.get(kind, ["factors"])
     for name in without:
         if one.get(name, False).value is not False:
@@ -532,25 +561,34 @@ def _events(by: Situation, actions: Sequence[Action]) -> list[dict[str, float]]:
 
 
 def _variable(by: Situation, actions: Sequence[Action]) -> Iterator[dict[str, float]]:
-    """Factors of the variable actions that act: none, and each set with each that leads it."""
-    variable = [one for one in actions if one.kind == "variable"]
-    for present in product((False, True), repeat=len(variable)):
-        some = list(compress(variable, present))
-        groups = [one.group for one in some if one.group]
-        if len(set(groups)) < len(groups):
-            continue
-        leaders: list[Action | None] = [*some] or [None]
-        for leader in leaders:
+    """Factors of the variable actions that act: none, and each set with all that lead it."""
+    for some in _sets([one for one in actions if one.kind == "variable"]):
+        counts = Counter(one.leads for one in some)
+        for lead in counts or [None]:
+            each = [_factor(one, one.leads == lead, by, counts[one.leads]) for one in some]
             for signs in product(*(one.signs for one in some)):
                 yield {
-                    one.name: sign * _factor(one, one is leader, by)
-                    for one, sign in zip(some, signs, strict=True)
+                    one.name: sign * factor
+                    for one, sign, factor in zip(some, signs, each, strict=True)
                 }
 
 
-def _factor(one: Action, leads: bool, by: Situation) -> float:
-    """The factor of a variable action: its own replaces that of the situation above 1."""
+def _sets(variable: Sequence[Action]) -> Iterator[list[Action]]:
+    """Those that act together: of each group one at most."""
+    for present in product((False, True), repeat=len(variable)):
+        some = list(compress(variable, present))
+        groups = [one.group for one in some if one.group]
+        if len(set(groups)) == len(groups):
+            yield some
+
+
+def _factor(one: Action, leads: bool, by: Situation, count: int) -> float:
+    """The factor of one of a count of actions that lead together.
+
+    Its own replaces that of the situation above 1.
+    """
     factor, number = by.leading if leads else by.others
     if one.factors is not None and by.leading[0] > 1.0:
         factor = one.factors[0]
-    return factor * (1.0 if number < 0 else one.psi[number])
+    share = one.beside if count > 1 else 1.0
+    return factor * share * (1.0 if number < 0 else one.psi[number])

@@ -159,6 +159,31 @@ def test_variable_actions_lead_in_turn_and_an_earthquake_goes_both_ways(tmp_path
     assert not any("push" in one.factors and "snow" in one.factors for one in grouped)
 
 
+@pytest.mark.parametrize(("udl", "stands"), [(7300, True), (7600, False)])
+def test_tandem_and_udl_lead_as_one_action(udl: float, stands: bool, tmp_path: Path) -> None:
+    """Group gr1a of EN 1991-2, table 4.4a: 1.35 (TS + UDL) h/2 = W b/2, so UDL = 7,440 N."""
+    road = "".join(
+        PUSH.format(force).replace("push", name).replace("psi = [0.7, 0.5, 0.3]", category)
+        for name, force, category in (
+            ("ts", 10000, 'category = "tandem"'),
+            ("udl", udl, 'psi = [0.4, 0.4, 0]\nfactors = [1.35, 0]\ntogether = "gr1a"'),
+            ("crowd", -1, 'category = "footway"'),
+        )
+    )
+    path = written(tmp_path, 'situations = ["STR"]', WEIGHT, road)
+    found = combinations(STACK, path, needed_of="none")
+    told = {one.words: result.stable for one, result in zip(found.each, found.results, strict=True)}
+    assert told["1 weight + 1.35 ts + 1.35 udl"] is stands
+    assert told["1 weight + 1.35 ts + 1.35 udl + 0.81 crowd"] is stands
+    assert len(told) == 2 * 2**3  # each that is present leads with all others
+    words = found.tables()[2]["load"].tolist()
+    assert words[1].endswith("; leads with all of gr1a")
+    assert words[3].endswith("; leads with all of gr1a, beside them 0.6 of it")
+    wind = PUSH.format(1).replace("psi = [0.7, 0.5, 0.3]", 'category = "wind"')
+    each = read_combinations(written(tmp_path, 'situations = ["STR"]', WEIGHT, road, wind), STACK)
+    assert any(one.words == "1 weight + 1.0125 ts + 0.54 udl + 1.5 push" for one in each)
+
+
 def test_cases_are_those_of_the_file_of_the_model_too(tmp_path: Path) -> None:
     assembly = tower(2)
     wind = LoadCase(LoadCase.point_load(assembly, 1, (500.0, 0.0, 0.0)).wrench, "wind")
@@ -177,6 +202,7 @@ def test_cases_are_those_of_the_file_of_the_model_too(tmp_path: Path) -> None:
         (WEIGHT + "factors = [0.9, 1.1]", "case.weight.factors: contradicts itself: 0.9"),
         (PUSH.format(1).replace("0.5,", "0.8,"), "case.push.psi: contradicts itself"),
         (PUSH.format(1) + 'category = "A"', "case.push: has psi and a category"),
+        (PUSH.format(1) + 'group = "gr1a"', 'one case acts at a time; write together = "gr1a"'),
         ('[case.q]\nkind = "variable"\nload = "gravity"', "has neither psi nor a category"),
         (WEIGHT.replace("gravity", "block-1:500"), "case.weight.load: '500' is not a load"),
         (WEIGHT.replace("gravity", "train:lm1"), "case.weight.load: a train is no load of a case"),
