@@ -43,11 +43,13 @@ class Kept(OneLine):
     joints
         Number of joints that are touched.
     added
-        Number of blocks, props, ties or weights that are added, and of joints that are glued.
+        Number of blocks, props, ties or weights that are added, and of joints that are glued or
+        cut anew.
     volume : [m3]
         Sum of the changes of volume of all blocks.
     cost
-        ``joints + 2 added + 10 volume / volume of the region + 5 friction that is added``.
+        ``joints + 2 added + 10 volume / volume of the region + 5 friction that is added``, where
+        what is moved counts by the way, divided by the size of the block.
     held
         Names of blocks of other regions that were held during the search.
     jams

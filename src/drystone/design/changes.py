@@ -40,7 +40,7 @@ _JOINTS = {
 }
 """Values that are tried before the least one is searched, and its width: [degrees], or relative to
 the width of the joint. Chosen. A very small wedge locks rigid blocks, but not real ones, so none
-below the first value is tried, and no smaller step."""
+below the first value is tried, no smaller step, and no turn below a degree."""
 
 _GLUE_SHARES = (0.01, 0.1, 0.3, 1.0)
 """Strengths of glue that are tried before the least one is searched, by the largest one."""
@@ -168,8 +168,8 @@ def joint_change(
     if kind == "let-in":
         width = min(float(np.ptp(joint.reach(joint.frame[2]))) for joint in planes)
     steps = tuple(width * step for step in steps)
-    low = 0.0 if kind == "turn" else steps[0]
-    return Change(kind, make, words, steps, width * close, low, len(group))
+    low = 1.0 if kind == "turn" else steps[0]
+    return Change(kind, make, words, steps, width * close, low, len(group), len(group))
 
 
 def glue_changes(

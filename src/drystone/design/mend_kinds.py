@@ -27,7 +27,7 @@ from drystone.design.changes import (
 from drystone.design.margin import LARGE_REGION, SMALL_REGION
 from drystone.design.mends_beside import prop, support, tie
 from drystone.design.needs import SEARCHED, KnownNeeds, pulls_of_region
-from drystone.design.surgery import merge_blocks, thicken_blocks, thickness_of
+from drystone.design.surgery import free_sides, merge_blocks, thicken_blocks, thickness_of
 from drystone.design.words import glue_words, listed, names_of, towards
 from drystone.model import Model
 from drystone.supports import laid_ground
@@ -211,12 +211,15 @@ def _thickened(grown: _Grown, share: float, model: Model, blocks: Ints, _: Ints)
 
 def _thicker_words(bench: Bench, grown: _Grown, share: float) -> str:
     model, (some, axes) = bench.model, grown(bench.model, bench.blocks)
-    across = np.array([thickness_of(model, *one)[1] for one in zip(some, axes, strict=True)])
+    pairs, ways = zip(*(thickness_of(model, *x) for x in zip(some, axes, strict=True)), strict=True)
+    across = np.array(ways)
     size = lengths(across)
     least, most = (quantity(size.min() * by, "m") for by in (1.0, 1.0 + share))
     thinnest = "" if size.max() < 1.01 * size.min() else "the thinnest "
     told = f"{names_of(model, some)} thicker by {100.0 * share:.0f} %, {thinnest}from {least} to "
-    told += f"{most}, half of it on each of two opposite free faces"
+    half = "half of it on each of two opposite free faces"
+    free = "on the free faces that no earth and no fill presses"
+    told += f"{most}, {half if len(free_sides(model, some, pairs)[0]) > 1 else free}"
     if (np.abs(across @ across[0]) > 0.99 * size * size[0]).all():
         told += f", along {towards(across[0]).lstrip('+-')}"
     ends = bench.blocks[bench.local.assembly.fixed].tolist()

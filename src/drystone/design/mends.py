@@ -12,7 +12,7 @@ import numpy as np
 from drystone.answer import Answer, Role, Scene, Sentence
 from drystone.answer.chart import Chart
 from drystone.answer.scene import side_by_side
-from drystone.base.display import named, shortened
+from drystone.base.display import named, rounded_down, shortened
 from drystone.base.errors import InputError, counted
 from drystone.base.settings import Clock, Options, Stop, checked_call
 from drystone.base.workers import WorkerPool
@@ -22,8 +22,9 @@ from drystone.design.diagnosis import Diagnosis, DiagnosisOptions, Region, diagn
 from drystone.design.margin import QUICK, DesignMargin
 from drystone.design.mend_kinds import KINDS
 from drystone.design.whole_check import mends_of_kind
-from drystone.design.words import NOTHING
+from drystone.design.words import NOTHING, listed
 from drystone.io.opening import Given, LongHow, as_model
+from drystone.limits.bounds import with_margins
 from drystone.model import Model
 from drystone.results import Result
 from drystone.stability import check
@@ -122,8 +123,10 @@ def _left(result: Result, case: str) -> str:
 
 _BUILT = (
     "each was checked when it is complete; whether it can be built block by block was not tried: "
-    "--apply 1 --out mended.json, then drystone plan mended.json"
+    "--apply 1 --out mended.json makes mend 1, then drystone plan mended.json"
 )
+
+_LET_IN = "; joints that are let in, wedged or turned may need props on the way"
 
 _DRAWN = 5_000
 """Blocks of all mends on a page, which is then 5 MB. Chosen; further mends are listed only."""
@@ -226,11 +229,12 @@ class Mends(Answer):
         failed = [Sentence(self._failed(), Role.REMARK)] if self.tried else []
         near = [f"less than the margin: {one.less}" for _, one in self.tried if one.less]
         failed += [Sentence(text, Role.REMARK) for text in near]
-        mends = [Sentence(text) for text in self._listed()]
+        mends = [Sentence(text) for text in self._listed(alike=False)]
         only = {region.sentence: self._only(region) for region in self.diagnosis.regions}
         reasons = [one for one in reasons if one.text not in (self.message, NOTHING)]
         reasons = [replace(one, text=one.text + only.get(one.text, "")) for one in reasons]
-        built = [Sentence(_BUILT, Role.REMARK)] if self.mends else []
+        recut = any(one.change.kind in ("let-in", "wedge", "turn") for one in self.mends)
+        built = [Sentence(_BUILT + _LET_IN * recut, Role.REMARK)] if self.mends else []
         said = [verdict, Sentence(self.message), *mends, *built, *failed, *reasons]
         return [one for one in said if one.text]
 
@@ -242,19 +246,40 @@ class Mends(Answer):
         only = {one.kind: f"{one.kind}: {one.only}" for one in tried if one.only}
         return f" ({'; '.join(only.values())})" if only else ""
 
-    def _listed(self) -> list[str]:
-        """A line for each mend; where several regions fall and it has no name, that of each."""
+    def _listed(self, *, alike: bool = True) -> list[str]:
+        """A line for each mend; where several regions fall and it has no name, that of each.
+
+        Without those that are like one before them, of the same kind in other joints, which the
+        line of the first tells.
+        """
         several = len({one.change.blocks for one in self.mends}) > 1
-        lines = []
+        lines: dict[int, str] = {}
+        like: dict[tuple[Any, ...], list[int]] = {}
         for number, one in enumerate(self.mends, 1):
-            kept = one.change
+            kept, result = one.change, one.result
             of = f", of {kept.whose}" if several and kept.whose else ""
-            lines.append(f"mend {number}{of}: {kept.description} (cost {kept.cost:.3g})")
-        return lines
+            told = f"cost {kept.cost:.3g}"
+            if result.tilt_margin is not None:
+                tilt = rounded_down(result.tilt_margin, 2)
+                told += f", margin: {tilt:g} degrees of tilt" if tilt >= 0.1 else ", no margin"
+            lines[number] = f"mend {number}{of}: {kept.description} ({told})"
+            key = (kept.blocks, kept.kind, kept.joints, kept.added, kept.jams > 0.0, one.stands)
+            like.setdefault(key, []).append(number)
+        if alike:
+            return list(lines.values())
+        for first, *others in like.values():
+            for number in others:
+                del lines[number]
+            if others:
+                what = "is mend" if len(others) == 1 else "are mends"
+                lines[first] += f"; like it {what} {listed([str(x) for x in others])}, elsewhere"
+        return list(lines.values())
 
     def failures(self) -> list[str]:
-        """A line for each combination that was tried without success."""
-        return [f"{named(blocks)}: {one.kind}: {one.what}" for blocks, one in self.tried]
+        """A line for each mend that is like another one, and for each that was tried in vain."""
+        told = self._listed(alike=False)
+        more = [text for text in self._listed() if not any(one.startswith(text) for one in told)]
+        return more + [f"{named(blocks)}: {one.kind}: {one.what}" for blocks, one in self.tried]
 
     def _failed(self) -> str:
         said = []
@@ -372,7 +397,7 @@ def find_mends(
             own: list[Changed] = []
             several = pool.answers(task, chosen.kinds, clock.late)
             for done, (made, failed) in enumerate(several, 1):
-                own += made
+                own += _with_margin(made, clock.late)
                 tried += [(names, one) for one in failed]
                 for one in made:
                     tell_one(one)
@@ -380,6 +405,17 @@ def find_mends(
             mended += bool(own)
             mends += sorted(own, key=partial(_rank, chosen.margin))
     return Mends(found, tuple(mends), tuple(tried), case=case)
+
+
+def _with_margin(made: Sequence[Changed], stop: Stop) -> list[Changed]:
+    """Mends of one kind, the one with the least cost with the tilt that forces balance."""
+    least = min((one.change.cost for one in made), default=0.0)
+    return [
+        replace(one, result=with_margins(one.result, stop))
+        if one.change.cost == least and one.result.model is one.model
+        else one
+        for one in made
+    ]
 
 
 def _fallen(first: Result, margin: DesignMargin, clock: Clock) -> tuple[Diagnosis, str]:

@@ -10,6 +10,7 @@ from typing import TypeAlias
 
 import numpy as np
 
+from drystone.assembly import Assembly
 from drystone.base.arrays import Floats, Ints, lengths
 from drystone.base.display import rounded_up
 from drystone.base.errors import counted
@@ -198,6 +199,7 @@ def _apart(bench: Bench, motion: Floats, ties: tuple[_Ends, ...] = ()) -> list[t
     """Pairs of blocks that move apart, the fastest first, of equal ones that nearest the middle."""
     local, own = bench.local.assembly, bench.own
     used = [i for ends in ties for i in ends]
+    ground = [i for i in np.flatnonzero(local.fixed).tolist() if _lies_under_all(local, i)]
     velocity = np.where(local.fixed[:, None], 0.0, motion[:, :3])
     found: list[tuple[float, _Ends]] = []
     for i in own:
@@ -205,11 +207,21 @@ def _apart(bench: Bench, motion: Floats, ties: tuple[_Ends, ...] = ()) -> list[t
         size = np.linalg.norm(along, axis=1)
         rate = ((velocity - velocity[i]) * along).sum(axis=1) / np.where(size > 0.0, size, 1.0)
         rate[[j for j in own if j <= i]] = 0.0  # each pair once
-        rate[used] = 0.0
+        rate[used + ground] = 0.0
         if i not in used:
             found += [(float(rate[j]), (i, int(j))) for j in np.flatnonzero(rate > 0.0)]
     most = max((rate for rate, _ in found), default=1.0)
     return sorted(found, key=lambda pair: (-round(pair[0] / most, 6), _off(bench, pair[1])))
+
+
+def _lies_under_all(assembly: Assembly, block: int) -> bool:
+    """Whether a block spreads below all others, as ground does: a tie has no end in its middle."""
+    low, high = assembly.bounds[:, 0], assembly.bounds[:, 1]
+    return bool(
+        (low[block, :2] <= low[:, :2].min(axis=0)).all()
+        and (high[block, :2] >= high[:, :2].max(axis=0)).all()
+        and high[block, 2] <= np.delete(low[:, 2], block).min(initial=np.inf)
+    )
 
 
 def _off(bench: Bench, ends: _Ends) -> float:

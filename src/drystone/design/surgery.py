@@ -193,23 +193,26 @@ def thicken_blocks(
     """The model with blocks thicker by a share of their thickness, thinner below zero.
 
     The thickness of a block is between the two largest faces that are in no joint and look away
-    from each other; each of them is moved by half of it. ``axes`` (b, 3) are axes about which the
-    blocks turn: their thickness is across these, where they have faces there.
+    from each other; each of them is moved by half of it, or the other one by all of it where earth
+    or fill presses on one of most of them. ``axes`` (b, 3) are axes about which the blocks turn:
+    their thickness is across these, where they have faces there.
 
     Raises
     ------
     InputError
         A block has no such faces, or one of them cannot be moved.
     """
+    axes = np.zeros((len(blocks), 3)) if axes is None else axes
+    found = [thickness_of(model, i, axis) for i, axis in zip(blocks, axes, strict=True)]
     new = {}
-    for i, axis in zip(blocks, np.zeros((len(blocks), 3)) if axes is None else axes, strict=True):
-        faces, across = thickness_of(model, i, axis)
-        step = 0.5 * share * float(np.linalg.norm(across))
+    sides = free_sides(model, blocks, [pair for pair, _ in found])
+    for i, faces, (_, across) in zip(blocks, sides, found, strict=True):
+        step = share * float(np.linalg.norm(across)) / len(faces)
         new[i] = with_moved_faces(model.assembly.blocks[i], dict.fromkeys(faces, step))
     return changed(model, new)
 
 
-def thickness_of(model: Model, block: int, axis: Floats) -> tuple[tuple[int, int], Floats]:
+def thickness_of(model: Model, block: int, axis: Floats) -> tuple[list[int], Floats]:
     """The two faces of a block between which its thickness is, and the way (3,) [m] across.
 
     ``axis`` (3,) and errors as for :func:`thicken_blocks`; zero where the block does not turn.
@@ -223,9 +226,33 @@ def thickness_of(model: Model, block: int, axis: Floats) -> tuple[tuple[int, int
     for one, two in combinations(largest, 2):
         away = normal[one] @ normal[two] < -0.5
         if away and not any(_in_joint(model, block, normal[k], offset[k]) for k in (one, two)):
-            return (one, two), (offset[one] - float(normal[one] @ middle[two])) * normal[one]
+            return [one, two], (offset[one] - float(normal[one] @ middle[two])) * normal[one]
     where = f"block '{model.assembly.names[block]}'"
     raise InputError("has no two free faces", where=where, remedy="choose another")
+
+
+def free_sides(model: Model, blocks: Sequence[int], pairs: Sequence[list[int]]) -> list[list[int]]:
+    """Of pairs of opposite faces of blocks those that move where the blocks get thicker.
+
+    Both; where earth or fill presses on one face of most of the blocks, the other one of each.
+    """
+    surface, sides = model.load.surface, list(pairs)
+    if surface is None:
+        return sides
+    planes = [face_planes(model.assembly.blocks[i]) for i in blocks]
+    for at, (i, (normal, offset)) in enumerate(zip(blocks, planes, strict=True)):
+        line = surface.point[surface.block == i].reshape(-1, 3)
+        pressed = (np.abs(line @ normal.T - offset) < 1e-3 * model.assembly.size[i]).any(axis=0)
+        sides[at] = [k for k in pairs[at] if not pressed[k]] or pairs[at]
+    one = [at for at, faces in enumerate(sides) if len(faces) == 1]
+    if 2 * len(one) <= len(blocks):
+        return list(pairs)
+    place = model.assembly.centroid[list(blocks)]
+    for at in set(range(len(blocks))) - set(one):
+        near = min(one, key=lambda other: float(np.linalg.norm(place[other] - place[at])))
+        way = planes[near][0][sides[near][0]]
+        sides[at] = [max(pairs[at], key=lambda k: float(planes[at][0][k] @ way))]
+    return sides
 
 
 def _in_joint(model: Model, block: int, normal: Floats, offset: float) -> bool:

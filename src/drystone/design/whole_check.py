@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import math
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import NamedTuple
@@ -141,7 +142,8 @@ class _WholeCheck:
         volume = _volume_changed(model, made)
         whole = float(model.assembly.volume[list(bench.region)].sum())
         cost = ADDED if found.settles else 0.0
-        cost += JOINT * candidate.joints + ADDED * candidate.added + VOLUME * volume / whole
+        moved = VOLUME * (volume + _volume_moved(model, made)) / whole
+        cost += JOINT * candidate.joints + ADDED * candidate.added + moved
         if candidate.kind == "friction":
             cost += FRICTION * float((made.contacts.friction - model.contacts.friction).sum())
         was, now = mass(free_mass(model)), mass(free_mass(made))
@@ -251,6 +253,19 @@ class _WholeCheck:
         self.why[value] = result.message
         self.sensitive |= result.stable and not margin.meets(result)
         return _Held(value, both[0], result, settles) if margin.meets(result) else None
+
+
+def _volume_moved(before: Model, after: Model) -> float:
+    """Volume [m3] of the blocks that are moved as they are, times the way by the size of each."""
+    moved = 0.0
+    for block in before.assembly.blocks:
+        if block.name in after.assembly:
+            now = after.assembly.blocks[after.assembly.index(block.name)]
+            if now is not block and len(now.vertices) == len(block.vertices):
+                way = now.vertices - block.vertices
+                if np.ptp(way, axis=0).max() < 1e-9 * block.size:
+                    moved += block.volume * math.hypot(*way[0]) / block.size
+    return moved
 
 
 def _volume_changed(before: Model, after: Model) -> float:

@@ -27,7 +27,8 @@ from drystone.design import (
 from drystone.geometry.frames import rotation_about
 from drystone.geometry.glue import cut_cell, glue
 from drystone.joint_capacity import NO_LIMIT, JointCapacity
-from drystone.models import arch, box, prism, shelf, snake, tower
+from drystone.loads import Earth
+from drystone.models import arch, box, prism, shelf, snake, tower, wall
 from drystone.ties import tied
 
 CHANGES: list[tuple[Callable[..., Model], tuple[Any, ...], list[float]]] = [
@@ -298,3 +299,12 @@ def test_a_face_that_runs_back_over_itself_where_it_is_cut_is_glued() -> None:
     model = Model.of(snake(), friction=0.4)
     made = turn_joint(wedge_joint(model, 2, 20.0, first=2), 6, 10.0, pivot=1.0, first=3)
     assert made.assembly.volume.sum() == pytest.approx(model.assembly.volume.sum())
+
+
+def test_what_earth_presses_gets_thicker_on_the_side_that_it_does_not_press() -> None:
+    made = wall(3, 2, ground=True)
+    load = LoadCase.gravity(made) + Earth(side="-y", weight=18e3, k=0.33).on(made)
+    thick = thicken_blocks(Model.of(made, load=load), made.free.tolist(), 0.5).assembly
+    (low, high), (was, far) = (np.moveaxis(x.bounds[made.free, :, 1], 1, 0) for x in (thick, made))
+    assert (low == was).all()
+    assert high == pytest.approx(1.5 * far)
