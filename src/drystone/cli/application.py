@@ -134,7 +134,7 @@ app.places = {
     "cut": "mend_command",
     "dataset": "plan_command",
     "demo": "models_command",
-    "fall": "motion_commands",
+    "fall": "check_command",
     "forces": (
         "drystone.programs.force_states",
         "Forces in the joints, with tension where compression is not enough",
@@ -170,7 +170,7 @@ app.places = {
     "report": "study_command",
     "reproduce": "models_command",
     "scaffold": "plan_command",
-    "settle": "motion_commands",
+    "settle": "check_command",
     "shape": "mend_command",
     "sharpen": (
         "drystone.design.sharpening",

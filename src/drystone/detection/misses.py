@@ -6,7 +6,7 @@ The missing area of curved joints whose two sides are meshed too differently.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import NamedTuple
 
@@ -255,20 +255,11 @@ def edge_misses(
 
 def _missed_edges(found: Interfaces, i: int, origin: Floats) -> Missed:
     gap = float(found.gap[i])
-    return Missed(
-        block_a=int(found.block_a[i]),
-        block_b=int(found.block_b[i]),
-        face_a=int(found.face_a[i]),
-        face_b=int(found.face_b[i]),
-        reason=Reason.GAP if gap >= 0.0 else Reason.OVERLAP,
-        gap=gap,
-        angle=0.0,
-        area=0.0,
-        needed=abs(gap) / float(found.size[i]),
-        polygon=_across(found.point[found.start[i] : found.start[i + 1]], found.frame[i, 0], gap)
-        + origin,
-        joined=False,
-    )
+    reason = Reason.GAP if gap >= 0.0 else Reason.OVERLAP
+    made = missed_of(found, i, reason, abs(gap) / float(found.size[i]), False, origin)
+    line = found.point[found.start[i] : found.start[i + 1]]
+    across = _across(line, found.frame[i, 0], gap) + origin
+    return replace(made, angle=0.0, area=0.0, polygon=across)
 
 
 def _across(point: Floats, normal: Floats, gap: float) -> Floats:
