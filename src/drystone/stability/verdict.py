@@ -145,50 +145,75 @@ def decided(
 
 @one_blas_thread()
 def _decided(asked: Asked, pool: WorkerPool, near: Floats | None, rest: Candidate | None) -> Result:
-    problem, options, late = asked.problem, asked.options, asked.clock.late
-    freely = _free_fall(asked, FREELY) if _surely_free(problem) else None
+    freely = _free_fall(asked, FREELY) if _surely_free(asked.problem) else None
     if freely is not None:
         return freely
     asked.report("rest state", 0)
-    uniform = rest
-    if uniform is None and near is not None and problem.statics.dry:
-        uniform = asked.attempt().begun_at(near)
-    if uniform is None:
+    uniform = _by_one_stiffness(asked, near, rest)
+    seeks = uniform is None or not (uniform.stands or asked.clock.late())
+    if seeks and asked.collapse is not None:
+        return _falls(asked, asked.collapse, uniform)
+    assert uniform is not None  # else there is a mechanism
+    return (_held if uniform.stands else _not_held)(asked, pool, uniform)
+
+
+def _by_one_stiffness(
+    asked: Asked, near: Floats | None, found: Candidate | None
+) -> Candidate | None:
+    """Where uniform stiffness leads, if not found; None where a mechanism is known before."""
+    problem = asked.problem
+    if found is None and near is not None and problem.statics.dry:
+        found = asked.attempt().begun_at(near)
+    if found is None:
         # where a known rest state leads nowhere a mechanism is likely, and is found soon
         first = asked.nearest is not None or (near is not None and problem.equilibrium_first)
         if first and asked.collapse is not None:
-            return _falls(asked, asked.collapse)
-        uniform = asked.attempt().from_nothing(falls=lambda: asked.collapse is not None)
-    asked.count(uniform)
-    if not uniform.stands and not late() and asked.collapse is not None:
-        return _falls(asked, asked.collapse, uniform)
-    felt = None if uniform.stands else _by_what_blocks_feel(asked, uniform)
+            return None
+        found = asked.attempt().from_nothing(falls=lambda: asked.collapse is not None)
+    asked.count(found)
+    return found
+
+
+def _held(asked: Asked, pool: WorkerPool, uniform: Candidate) -> Result:
+    """The verdict where uniform stiffness holds the blocks: what slides far is followed."""
+    follows, late = asked.options.settle and asked.problem.statics.dry, asked.clock.late
+    spread = _not_on_faces(asked, pool, uniform, follows)
+    if late() or not (follows and _doubtful(asked, uniform)):
+        words = _on_faces(asked, asked.stands(), spread if follows else None)
+        return asked.stable(uniform, words)
+    return _followed(asked, pool, uniform, spread)
+
+
+def _not_on_faces(
+    asked: Asked, pool: WorkerPool, uniform: Candidate, follows: bool
+) -> Model | None:
+    """Try other stiffnesses; the model with points on its faces, where its springs hold it not."""
+    problem, options, late = asked.problem, asked.options, asked.clock.late
+    spread: Model | None = None
+    if problem.statics.dry and (options.samples or (options.settle and not options.uniform)):
+        spread, *_ = asked.on_spread_points(uniform.force, problem.model) or (None,)
+    if problem.statics.friction.any():  # without it forces balance for all (static theorem)
+        count = max(options.samples - (spread is not None), int(follows))
+        asked.try_others(pool, count, uniform)
+    return None if spread is None or late() else asked.not_held(spread, uniform)
+
+
+def _not_held(asked: Asked, pool: WorkerPool, uniform: Candidate) -> Result:
+    """The verdict where it does not: others may hold them, and else they are followed."""
+    problem, options = asked.problem, asked.options
+    felt = _by_what_blocks_feel(asked, uniform)
     if felt is not None:
         if not problem.statics.friction.any():  # forces balance for all (static theorem)
             return asked.stable(felt)
         asked.depends_on(Sensitivity.WEIGHTS)
         softer = "stands where joints of light blocks are softer, by what these blocks feel"
         return asked.stable(felt, f"{softer}: {asked.sensitive}")
-    follows = options.settle and problem.statics.dry
-    spread: Model | None = None
-    if uniform.stands:
-        if problem.statics.dry and (options.samples or (options.settle and not options.uniform)):
-            spread, *_ = asked.on_spread_points(uniform.force, problem.model) or (None,)
-        if problem.statics.friction.any():  # without it forces balance for all (static theorem)
-            count = max(options.samples - (spread is not None), int(follows))
-            asked.try_others(pool, count, uniform)
-        if spread is not None:
-            spread = None if late() else asked.not_held(spread, uniform)
-        if late() or not (follows and _doubtful(asked, uniform)):
-            return asked.stable(
-                uniform, _on_faces(asked, asked.stands(), spread if follows else None)
-            )
-    elif options.uniform or not follows:
-        if not options.uniform:
-            asked.try_others(pool, SAMPLES if options.settle else options.samples)
-        others = [one for one in asked.tried if one.stands]
-        return asked.stable(others[0]) if others else asked.first_motion(uniform)
-    return asked.no_answer() if late() else _followed(asked, pool, uniform, spread)
+    if options.settle and problem.statics.dry and not options.uniform:
+        return _followed(asked, pool, uniform, None)
+    if not options.uniform:
+        asked.try_others(pool, SAMPLES if options.settle else options.samples)
+    others = [one for one in asked.tried if one.stands]
+    return asked.stable(others[0]) if others else asked.first_motion(uniform)
 
 
 def _falls(asked: Asked, collapse: Floats, uniform: Candidate | None = None) -> Result:
@@ -425,6 +450,8 @@ def _taken_to_stand(
 
 def _followed(asked: Asked, pool: WorkerPool, uniform: Candidate, spread: Model | None) -> Result:
     """The verdict of blocks that are followed by finite steps; ``spread`` as :func:`_on_faces`."""
+    if asked.clock.late():
+        return asked.no_answer()
     asked.report("settlement", 2)
     clock, options = asked.clock, asked.options.settlement
     hardly = asked.problem.unpressed.any()
@@ -456,18 +483,7 @@ def _followed(asked: Asked, pool: WorkerPool, uniform: Candidate, spread: Model 
     if not uniform.stands:
         light &= uniform.falling is None
         asked.depends_on(Sensitivity.WEIGHTS if light else Sensitivity.JOINTS)
-    held = "uniform contact stiffness would not hold it in place"
-    if uniform.falling is None:
-        held = "uniform contact stiffness was not found to hold it in place"
-    if hardly:
-        held = "hardly anything presses on some of its blocks at first"
-    elif uniform.stands:
-        held = "it slides far where uniform contact stiffness holds it"
-        if not asked.problem.statics.friction.any():
-            held = "forces balance the loads, but without friction nothing brings it back"
-        stood, tried = sum(one.stands for one in asked.tried), len(asked.tried)
-        if stood < tried:
-            held = f"{stood} of {tried} contact stiffnesses tried would hold it in place"
+    held = _how_held(asked, uniform)
     words = f"{found.message}; {held}"
     doubted = f"{words}: {asked.sensitive}"
     if found.outcome is Outcome.RESTS:
@@ -480,7 +496,28 @@ def _followed(asked: Asked, pool: WorkerPool, uniform: Candidate, spread: Model 
         if clock.late():
             return asked.no_answer()
         return asked.answer(Verdict.UNDECIDED, doubted, settlement=found)
-    if hardly:
+    return _fallen(asked, uniform, found, held)
+
+
+def _how_held(asked: Asked, uniform: Candidate) -> str:
+    """How stiffness holds what is followed, or does not."""
+    stood, tried = sum(one.stands for one in asked.tried), len(asked.tried)
+    if asked.problem.unpressed.any():
+        return "hardly anything presses on some of its blocks at first"
+    if not uniform.stands:
+        would = "would not" if uniform.falling is not None else "was not found to"
+        return f"uniform contact stiffness {would} hold it in place"
+    if stood < tried:
+        return f"{stood} of {tried} contact stiffnesses tried would hold it in place"
+    if not asked.problem.statics.friction.any():
+        return "forces balance the loads, but without friction nothing brings it back"
+    return "it slides far where uniform contact stiffness holds it"
+
+
+def _fallen(asked: Asked, uniform: Candidate, found: Settlement, held: str) -> Result:
+    """UNSTABLE of blocks that were followed and fall."""
+    words = f"{found.message}; {held}"
+    if asked.problem.unpressed.any():
         words = f"{held}, and {found.message}"
         freely = None if uniform.stands else _free_fall(asked, words)
         if freely is not None:
