@@ -124,17 +124,24 @@ app = _Program(
     context_settings=SETTINGS,
 )
 app.examples = ("drystone demo", "drystone check arch.json --html arch.html")
-app.places = {
-    "check": "check_command",
+_WRITTEN = {
+    "application": "limit",
+    "check_command": "check fall settle",
+    "file_commands": "convert inspect poses",
+    "mend_command": "cut mend shape",
+    "models_command": "demo models reproduce",
+    "plan_command": "dataset plan scaffold",
+    "server_commands": "live mcp",
+    "shell_command": "shell tune",
+    "study_command": "report study",
+}
+"""The commands that are written, by module; the others are made of their analyses."""
+
+app.places = {name: module for module, names in _WRITTEN.items() for name in names.split()} | {
     "combine": (
         "drystone.studies.combinations",
         "Check every combination of actions with partial factors",
     ),
-    "convert": "file_commands",
-    "cut": "mend_command",
-    "dataset": "plan_command",
-    "demo": "models_command",
-    "fall": "check_command",
     "forces": (
         "drystone.programs.force_states",
         "Forces in the joints, with tension where compression is not enough",
@@ -143,7 +150,6 @@ app.places = {
         "drystone.sequence.gravity_regions",
         "The directions of gravity in which a model holds, without and with friction",
     ),
-    "inspect": "file_commands",
     "interlock": (
         "drystone.sequence.freedom",
         "Whether a model with its supports fixed holds under every load without friction",
@@ -152,13 +158,6 @@ app.places = {
         "drystone.seismic.local_mechanism",
         "Local collapse mechanism of masonry in an earthquake, by the kinematic method",
     ),
-    "limit": "application",
-    "live": "server_commands",
-    "mcp": "server_commands",
-    "mend": "mend_command",
-    "models": "models_command",
-    "plan": "plan_command",
-    "poses": "file_commands",
     "push": (
         "drystone.settlement.large_displacement",
         "Load against displacement, until the load is zero again",
@@ -167,18 +166,10 @@ app.places = {
         "drystone.design.cuts",
         "Change joints until every block is placed alone and stands at once",
     ),
-    "report": "study_command",
-    "reproduce": "models_command",
-    "scaffold": "plan_command",
-    "settle": "check_command",
-    "shape": "mend_command",
     "sharpen": (
         "drystone.design.sharpening",
         "Make wedges of plane joints with tension, until a model stands",
     ),
-    "shell": "shell_command",
-    "study": "study_command",
-    "tune": "shell_command",
 }
 
 
