@@ -21,7 +21,8 @@ PAGES = Path(__file__).parents[1] / "docs" / "tutorials"
 DRAWN = {
     "architect": "check",
     "bridge": "limit train",
-    "church-wall": "kinematic",
+    "church-wall": 'kinematic chapel.json --direction -y --part "facade-*" '
+    "--tie facade-4@3,0.3,4.5:apse@3,6.3,4.5:20kN",
     "engineer": "check",
     "researcher": "check",
     "retaining-wall": "check",

@@ -10,7 +10,7 @@ import numpy as np
 from drystone.answer.question import Question, directions
 from drystone.answer.scene import Layer, LayerKind, MarkerShape, Scene, SceneStage, State
 from drystone.assembly import Assembly
-from drystone.base.arrays import Bools, Floats, Ints, lengths
+from drystone.base.arrays import Bools, Floats, Ints, dot, lengths
 from drystone.base.errors import counted
 from drystone.base.units import quantity
 from drystone.checks import block_speed
@@ -173,6 +173,24 @@ def _surface_layer(assembly: Assembly, load: LoadCase) -> tuple[Layer, ...]:
         Layer(
             "surface", label, LayerKind.LINES, "load", start, np.concatenate(way),
             block=np.tile(field.block, 7), width=0.7,
+        ),
+    )  # fmt: skip
+
+
+def tie_layer(
+    assembly: Assembly, contacts: Contacts, words: str, shown: Bools | None = None
+) -> tuple[Layer, ...]:
+    """The ties among some interfaces (m,), or all, as lines from end to end, with words."""
+    ties = np.flatnonzero(contacts.ties if shown is None else contacts.ties & shown)
+    if not ties.size:
+        return ()
+    start, along = contacts.centroid[ties], contacts.frame[ties, 0]
+    away = dot(assembly.centroid[contacts.block_a[ties]] - start, along)
+    far = np.where(away > 0.0, away, assembly.size[contacts.block_b[ties]])[:, None] * along
+    return (
+        Layer(
+            "tie-forces", words, LayerKind.LINES, "added", start + far, -far,
+            interface=ties, width=2.0,
         ),
     )  # fmt: skip
 

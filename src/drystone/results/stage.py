@@ -15,11 +15,12 @@ from drystone.answer.drawing import (
     marks,
     seen,
     state_of,
+    tie_layer,
 )
 from drystone.answer.question import directions
 from drystone.answer.scene import Layer, LayerKind, SceneStage, State
 from drystone.answer.sentences import Verdict
-from drystone.base.arrays import Bools, Floats, dot, lengths
+from drystone.base.arrays import Bools, Floats, lengths
 from drystone.base.units import quantity
 from drystone.checks import corner_motion, first_motion_of, moving_joints, turning_joints
 from drystone.geometry.surface import worth_drawing
@@ -198,21 +199,12 @@ def force_layers(result: Solution, shown: Bools | None = None) -> tuple[Layer, .
         )
     )  # fmt: skip
     ties = np.flatnonzero(shown & contacts.ties)
-    if ties.size:
-        start, along = contacts.centroid[ties], contacts.frame[ties, 0]
-        away = dot(result.assembly.centroid[contacts.block_a[ties]] - start, along)
-        size = result.assembly.size[contacts.block_b[ties]]
-        far = np.where(away > 0.0, away, size)[:, None] * along
+    if len(ties):
         pull = quantity(float(resultants.normal[joint[ties]].max()), "N")
         words = f"ties, which pull up to {pull}" if ties.size > 1 else f"a tie, which pulls {pull}"
         if contacts.of_fill[ties].all():
             words = f"fill, which resists up to {pull}"
-        layers.append(
-            Layer(
-                "tie-forces", words, LayerKind.LINES, "added", start + far, -far,
-                interface=ties, width=2.0,
-            )
-        )  # fmt: skip
+        layers += tie_layer(result.assembly, contacts, words, shown)
     carrying = shown[first] & (resultants.normal > FAINT * resultants.normal.max(initial=0.0))
     pulled = np.bincount(joint[contacts.interface], _pull(result.force, result.tension))
     turning = pulled <= (1.0 - HINGED) * resultants.normal  # else the resultant is beyond the rim

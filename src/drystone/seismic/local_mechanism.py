@@ -9,14 +9,13 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import Any, Unpack
 
 import numpy as np
 
 from drystone.answer import Answer, Layer, LayerKind, Role, Scene, SceneStage, Sentence, State
 from drystone.answer.chart import Chart, MarkKind, Marks
-from drystone.answer.drawing import interface_layers, load_layers, marks, seen, state_of
+from drystone.answer.drawing import interface_layers, load_layers, marks, seen, state_of, tie_layer
 from drystone.base.arrays import SAME, Floats, Ints, lengths
 from drystone.base.declared import Offered
 from drystone.base.display import named
@@ -24,6 +23,7 @@ from drystone.base.errors import InputError, counted
 from drystone.base.ragged import linked
 from drystone.base.settings import Clock, checked_call
 from drystone.base.table import Table
+from drystone.base.units import quantity
 from drystone.checks import block_speed, corner_motion, moving_joints
 from drystone.geometry.frames import axis_vector
 from drystone.io.opening import Given, LongHow, supported_model
@@ -37,7 +37,6 @@ from drystone.seismic.turning_part import (
     Oscillator,
     Turning,
     masses_of,
-    pulls_of,
     turning_of,
     weights_that_move,
 )
@@ -229,21 +228,21 @@ class LocalMechanism(Answer):
         stage = SceneStage(
             "mechanism", self.title, self.how, state, motion=seen(assembly, self.motion),
             motion_name="Mechanism", plays=True,
-            layers=(*interface_layers(contacts), *load_layers(assembly, self._with_pulls()),
-                    *self._earthquake(), *self._hinges()),
+            layers=(*interface_layers(contacts), *load_layers(assembly, self.model.load),
+                    *tie_layer(assembly, contacts, self._tied), *self._earthquake(),
+                    *self._hinges()),
         )  # fmt: skip
         charts = (self.chart(),) if len(self.displacement) else ()
         title = f"drystone: {self.title[0].lower()}{self.title[1:]}"
         return Scene(assembly, contacts, (stage,), title, self.asked.facts(), charts=charts,
                      preset="solid")  # fmt: skip
 
-    def _with_pulls(self) -> LoadCase:
-        """The load, and the pulls of the ties of a part."""
-        if self.moments is None:
-            return self.model.load
-        pulls = pulls_of(self.model, np.flatnonzero(self._moving), self.motion)
-        one = partial(LoadCase.point_load, self.model.assembly)
-        return sum((one(block, force, at) for block, at, force in pulls), self.model.load)
+    @property
+    def _tied(self) -> str:
+        """Ties with their strength, for a legend."""
+        strength = self.model.contacts.tie_strength[self.model.contacts.ties]
+        most = strength[np.isfinite(strength)].max(initial=0.0)
+        return "tie" + (f", yields at {quantity(float(most), 'N')}" if most else "")
 
     def _earthquake(self) -> tuple[Layer, ...]:
         """The force of the earthquake on what moves, as one arrow that ends in its middle."""

@@ -161,8 +161,11 @@ def test_a_tie_holds_with_its_strength() -> None:
     either = local_mechanism(model, part="wall-0", tie="base@-3,1,2.8:wall-0@0,1,2.8:15kN")
     assert either.oscillator.multiplier == pytest.approx(expected)
     assert found.oscillator.multiplier == pytest.approx(expected)
-    drawn = {one.key: one.vector for one in found.layers().stages[0].layers}
-    assert drawn["loads"][0].tolist() == pytest.approx([-15e3, 0.0, 0.0])
+    layers = found.layers().stages[0].layers
+    drawn = {one.key: one.vector for one in layers}
+    assert "loads" not in drawn  # the tie is no load: it is drawn from the base to the wall
+    assert drawn["tie-forces"][0, 0] > 0.0 == pytest.approx(drawn["tie-forces"][0, 1:])
+    assert "tie, yields at 15 kN" in [one.label for one in layers]
     asked = found.asked.facts()
     assert (asked["Load"], asked["Ties"]) == ("gravity", "wall-0:base 15 kN")
     assert drawn["acceleration"][0].tolist() == pytest.approx([expected * weight, 0.0, 0.0])

@@ -73,13 +73,14 @@ const told = (axes) => ({
 
 const hasGhost = () => shownLayers.get("ghost") && Boolean(stage().motion) && !stage().virtual && !camera.spread;
 
-// While blocks move their joints mean nothing; what would hold them stays, and what presses on their faces.
+// While blocks move their joints mean nothing; what holds or would hold them stays, and what drives them.
 // The forces of a stage that `moved` are those at the end of its motion.
 function isDrawn(layer, time) {
   if (stage().moved) {
     if (page.time < 1) return false;
   } else if (time > 0) {
-    return layer.kind === "markers" || layer.colour === "help" || (layer.key === "surface" && !stage().path);
+    const stays = ["surface", "tie-forces", "line", "acceleration"].includes(layer.key) && !stage().path;
+    return layer.kind === "markers" || layer.colour === "help" || stays;
   }
   return !(camera.spread && layer.kind === "lines" && layer.value); // they would end in the air
 }
