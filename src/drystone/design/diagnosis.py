@@ -105,7 +105,7 @@ def diagnose(
     block 'block' slides down along 'left' and 'right'
     nothing presses on it
     a support that gives 33.9 kN (up) at (0, 0, -0.2) m
-    or the joint with 'left' turned by 0.1 degrees
+    or the joint with 'right' turned by 1 degrees
     or glue between 'left' and 'block' that carries a pull, and a shear, of 15 kN would hold it
     """
     chosen = DiagnosisOptions.of(options)

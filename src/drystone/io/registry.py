@@ -182,7 +182,8 @@ def _unknown(path: PathLike, suffix: str, writing: bool) -> FormatError:
         return FormatError(what, where=str(path), remedy="check the path")
     suffixes = ", ".join(_suffixes("writer" if writing else "reader"))
     has = f"suffix '{suffix}' is not known" if suffix else "the name has no suffix"
-    return FormatError(has, where=str(path), remedy=f"these are: {suffixes}")
+    one_file = "save it as .glb, which is glTF in one file; " if suffix == ".gltf" else ""
+    return FormatError(has, where=str(path), remedy=f"{one_file}these are: {suffixes}")
 
 
 Unit: TypeAlias = Literal["mm", "cm", "m", "in", "ft"]

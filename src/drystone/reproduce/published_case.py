@@ -131,7 +131,8 @@ class Case(Answer):
             for line in self.lines
             if line not in split
         }
-        made = _table(self.title, plain), _table(f"{self.title}, tilts [degrees]", split)
+        tilts = f"{self.title}, tilts [degrees] as published, and here"
+        made = _table(self.title, plain), _table(tilts, split)
         return [one for one in made if len(one)]
 
     def layers(self) -> Scene:

@@ -13,6 +13,7 @@ from functools import cached_property, partial
 from typing import Any, Unpack
 
 import numpy as np
+import shapely
 from scipy.spatial.transform import Rotation, Slerp
 
 from drystone.answer import Answer, Question, Role, Scene, Sentence, plain
@@ -24,7 +25,8 @@ from drystone.base.files import PathLike, write_text
 from drystone.base.settings import Clock, LongWork, checked_call
 from drystone.base.table import Table
 from drystone.base.workers import WorkerPool
-from drystone.detection.patches import patches_of
+from drystone.detection.patches import Patches, patches_of
+from drystone.geometry.frames import frames_from_normals
 from drystone.model import Model
 from drystone.sequence.freedom import FACING, Joints
 from drystone.sequence.margins import Margin, Margins
@@ -53,6 +55,7 @@ class GripFace(OneLine):
     face
         Position in ``block.faces``; the first of those that lie in one plane, as triangles do.
     centre : (3,) [m]
+        On the face: where it is widest, if its middle lies in a hole or beside it.
     normal : (3,) unit
         Outward. Both in the frame of the block.
     area : [m2]
@@ -83,12 +86,31 @@ def grip_faces(body: Block, joints: Joints) -> list[GripFace]:
         away[flat.normal @ joints.normal[joint] > -FACING] = np.inf
         area = np.cross(corner[1:-1] - corner[0], corner[2:] - corner[0]).sum(axis=0)
         covered[np.argmin(away)] += max(0.5 * float(np.linalg.norm(area)), 1e-300)
-    centre = flat.centre + flat.origin - body.centroid
     found = [
-        GripFace(int(flat.face[i]), centre[i], flat.normal[i], float(flat.area[i]))
+        GripFace(
+            int(flat.face[i]), _on_face(flat, int(i)) + flat.origin - body.centroid,
+            flat.normal[i], float(flat.area[i]),
+        )
         for i in np.flatnonzero((covered <= COVERED * flat.area) & (flat.area > 0.0))
-    ]
+    ]  # fmt: skip
     return sorted(found, key=lambda one: -one.area)
+
+
+def _on_face(flat: Patches, patch: int) -> Floats:
+    """The middle of a patch (3,) [m], else where it is widest; opposite ones are seen alike."""
+    normal, centre = flat.normal[patch], flat.centre[patch]
+    frame = frames_from_normals(normal[None] * (1.0 if normal.sum() > 0.0 else -1.0))[0, 1:]
+    first, end = flat.first_ring[patch : patch + 2]
+    rings = [
+        (flat.corner[flat.ring_start[k] : flat.ring_start[k + 1]] - centre) @ frame.T
+        for k in range(first, end)
+    ]
+    shape = shapely.normalize(shapely.Polygon(rings[0], rings[1:]))
+    if shape.contains(shapely.Point(0.0, 0.0)):
+        return centre
+    widest = shapely.get_point(shapely.maximum_inscribed_circle(shape), 0)
+    inside: Floats = centre + np.array(widest.coords[0]) @ frame
+    return inside
 
 
 def grip_pairs(grips: Sequence[GripFace]) -> list[tuple[int, int, float]]:

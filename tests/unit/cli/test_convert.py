@@ -79,6 +79,7 @@ def test_ties_that_a_format_loses_are_told(
     ("arguments", "words"),
     [
         (["out.dwg"], "suffix '.dwg' is not known"),
+        (["out.gltf"], "suffix '.gltf' is not known; save it as .glb, which is glTF in one file"),
         (["out.dwg"], "these are: .3dm, .glb, .json, .mjcf, .obj, .ply, .stl, .urdf, .xml"),
         (["none/out.obj"], "cannot be written"),
         (["out.json", "--to", "dwg"], "format 'dwg' is not known"),

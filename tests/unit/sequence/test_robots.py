@@ -11,7 +11,7 @@ from drystone import InputError, Model, Structure, plan
 from drystone.answer import Role, State
 from drystone.assembly import Assembly, replace_block
 from drystone.base.display import rounded_up
-from drystone.models import arch, bayonet, box, bridge, corbelled_bridge, tower, wall
+from drystone.models import arch, bayonet, box, bridge, corbelled_bridge, tower, wall, welded
 from drystone.sequence import (
     PlanOptions,
     Robot,
@@ -210,6 +210,21 @@ def test_triangles_in_one_plane_are_gripped_as_one_face():
     for grip, same in zip(other.grips, one.grips, strict=True):
         np.testing.assert_allclose(grip.centre, same.centre, atol=1e-12)
     np.testing.assert_allclose(other.pairs, one.pairs, atol=1e-12)
+
+
+def test_a_face_with_a_hole_is_gripped_on_its_material():
+    outer, inner = ([(x, y) for x, y in ((-a, -a), (a, -a), (a, a), (-a, a))] for a in (1.0, 0.5))
+    quads = [[outer[i], outer[i - 1], inner[i - 1], inner[i]] for i in range(4)]
+    flat = [[(*p, z) for p in quad] for z in (0.0, 1.0) for quad in quads]
+    sides = [
+        [(*ring[i], 0.0), (*ring[i - 1], 0.0), (*ring[i - 1], 1.0), (*ring[i], 1.0)]
+        for ring in (outer, inner) for i in range(4)
+    ]  # fmt: skip
+    frame = welded([*flat, *sides], "frame")
+    joints = Joints.of(Model.of(tower(2)).contacts, 1, np.array([False, False]))
+    top, bottom = (one for one in grip_faces(frame, joints) if abs(one.normal[2]) > 0.5)
+    assert 0.5 < np.abs(top.centre[:2]).max() < 1.0
+    np.testing.assert_allclose(top.centre[:2], bottom.centre[:2], atol=1e-9)
 
 
 def test_held_blocks_have_a_hold_until_their_partner_is_in():
