@@ -164,18 +164,21 @@ def _joints(asked: KnownNeeds, kind: str) -> Proposals:
 
 
 def _thicker(asked: KnownNeeds) -> Proposals:
-    """Thicker blocks of the region; where that does not hold the whole, all blocks."""
-    bench, own = asked.bench, asked.bench.own
-    stay = bench.kept(own)
-    if stay:
-        yield _kept("thicker", "its blocks get thicker together, and some", stay)
+    """Thicker blocks of the region; where that does not hold the whole, all blocks.
+
+    Members are of one thickness, as piers below a ring are: each is tried alone, too.
+    """
+    bench = asked.bench
+    own = [i for i in bench.own if not bench.kept([i])]
+    if not own:
+        yield _kept("thicker", "its blocks", bench.kept(bench.own))
         return
     motion, size = bench.motion[own], bench.local.assembly.size[own]
     turning = size * lengths(motion[:, 3:]) > 0.01 * lengths(motion[:, :3])
     axes = np.where(turning[:, None], motion[:, 3:], 0.0)
 
-    def region(_: Model, blocks: Ints) -> tuple[list[int], Floats]:
-        return blocks[own].tolist(), axes
+    def region(which: Ints, _: Model, blocks: Ints) -> tuple[list[int], Floats]:
+        return blocks[np.array(own)[which]].tolist(), axes[which]
 
     def every(model: Model, blocks: Ints) -> tuple[list[int], Floats]:
         most = np.linalg.svd(axes)[2][0] if axes.any() else np.zeros(3)
@@ -188,12 +191,25 @@ def _thicker(asked: KnownNeeds) -> Proposals:
         return grown, about[grown]
 
     why = f"{listed([f'{100.0 * share:g}' for share in _SHARES])} % more thickness"
-    for grown in (region,) if bench.keep else (region, every):
+    thick = np.array([_thick(bench.local, i, axis) for i, axis in zip(own, axes, strict=True)])
+    order = np.argsort(thick, kind="stable")
+    ends = np.flatnonzero(np.diff(thick[order]) > _OTHER * thick[order][:-1]) + 1
+    members = np.split(order, ends) if 0 < len(ends) < SMALL_REGION else []
+    alone: list[_Grown] = [partial(region, np.sort(some)) for some in members]
+    together: list[_Grown] = [partial(region, np.arange(len(own)))]
+    for grown in alone:
+        make, words = partial(_thickened, grown), partial(_thicker_words, bench, grown)
+        yield Tries([Change("thicker", make, words, _SHARES, 0.02)], "")
+    for grown in together if bench.keep else [*together, every]:
         failed = len(bench.tried)
         make, words = partial(_thickened, grown), partial(_thicker_words, bench, grown)
         yield Tries([Change("thicker", make, words, _SHARES, 0.02)], why)
         if len(bench.tried) == failed:
             return
+
+
+_OTHER = 0.1
+"""Members differ in thickness by more than this share. Chosen."""
 
 
 def _thick(model: Model, block: int, axis: Floats) -> float:

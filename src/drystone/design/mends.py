@@ -263,8 +263,9 @@ class Mends(Answer):
                 tilt = rounded_down(result.tilt_margin, 2)
                 told += f", margin: {tilt:g} degrees of tilt" if tilt >= 0.1 else ", no margin"
             lines[number] = f"mend {number}{of}: {kept.description} ({told})"
-            key = (kept.blocks, kept.kind, kept.joints, kept.added, kept.jams > 0.0, one.stands)
-            like.setdefault(key, []).append(number)
+            size = kept.joints, kept.added
+            key = (kept.blocks, kept.kind, size, kept.jams > 0.0, one.stands)
+            like.setdefault(key if any(size) else (number,), []).append(number)
         if alike:
             return list(lines.values())
         for first, *others in like.values():

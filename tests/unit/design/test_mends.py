@@ -464,6 +464,23 @@ def test_a_pier_gets_thicker_where_it_overturns_and_its_foot_with_it() -> None:
     assert "along x" in only.change.description
 
 
+def test_a_pier_gets_thicker_alone_and_a_cap_that_is_kept_does_not() -> None:
+    """A pier and its cap tip about its foot: half its width is less than their height leans."""
+    parts = (
+        box((1.0, 0.8, 0.2), (-0.35, 0.0, -0.2), "base"), box((0.3, 0.8, 2.0), name="pier"),
+        box((0.6, 0.8, 0.3), (-0.15, 0.0, 2.0), "cap"),
+    )  # fmt: skip
+    assembly = Assembly(parts).with_fixed([0])
+    model = Model.of(assembly, friction=0.7, load=LoadCase.tilt(assembly, (0.0, 1.0, 0.0), 8.0))
+    kinds = MendOptions(kinds=("thicker",), keep=("cap",))
+    (kept,) = find_mends(model, options=kinds).mends
+    both = find_mends(model, options=replace(kinds, keep=())).mends
+    assert kept.change.description.startswith("'pier' thicker by ")
+    told = [one.change.description.partition(" thicker")[0] for one in both]
+    assert told == ["'pier'", "'pier' and 'cap'"]
+    assert kept.change.value == both[0].change.value
+
+
 def test_what_a_structure_stands_without_is_no_part_of_a_margin_that_is_told() -> None:
     """A pier stands to 5.7 degrees; a prop or rougher joints are no help below that."""
     courses = [box((0.3, 0.8, 1.0), (0.0, 0.0, z), f"course-{z}") for z in range(-1, 3)]
