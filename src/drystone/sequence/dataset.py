@@ -11,6 +11,7 @@ import hashlib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, partial
+from importlib import resources
 from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias, Unpack
 
@@ -198,38 +199,9 @@ class Dataset(Answer):
         lines = [heads, ["---"] * len(heads), *rows]
         table = "\n".join(f"| {' | '.join(map(str, line))} |" for line in lines)
         end = f"Not complete: {self.stopped}.\n\n" if self.stopped else ""
-        return _CARD.format(title=self.title, end=end, table=table, version=version(),
-                            options=self.options)  # fmt: skip
-
-
-_CARD = """# {title}
-
-{end}Stages of assembly of structures of loose blocks: whether they stand by contact and friction
-alone. Made by drystone {version} with {options}.
-
-{table}
-
-The friction left is the mean of the subsets that stand.
-
-- `structures/` has the blocks, contacts, friction and loads, as JSON of drystone.
-- `orders/` has the records, in files of {shard} orders. A line is a checksum (CRC-32 of what
-  follows it, eight digits and a space) and a JSON value; the first line of a file says what was
-  asked.
-- A record: `structure`, its number; `planned`, whether the planner gave the order; for each step
-  `order`, the positions of the blocks that are placed; `held`, of those held meanwhile; `verdict`
-  (`stable`, `unstable`, `undecided`) of `drystone.check` on all blocks placed so far and the
-  supports; `friction_left`, the share left in the most used joint, 0 to 1, 0 if it falls and null
-  if undecided; `falling`, the blocks that fall.
-
-```python
-from drystone.sequence import read_dataset
-
-data = read_dataset("FOLDER")
-for one in data.orders:
-    masks = one.masks(data.structures[one.structure])  # (steps, blocks) in place
-    print(masks.sum(axis=1), one.verdict, one.friction_left)
-```
-""".replace("{shard}", str(SHARD))
+        card = resources.files("drystone.sequence").joinpath("dataset.md").read_text("utf-8")
+        return card.format(title=self.title, end=end, table=table, version=version(),
+                           options=self.options, shard=SHARD)  # fmt: skip
 
 
 class _Task(NamedTuple):

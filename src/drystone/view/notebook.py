@@ -31,16 +31,6 @@ MOST_BYTES = 200_000
 """Largest page that is shown by default [bytes]. Chosen: a notebook with 20 of them is 4 MB at
 most. A larger one is replaced by a still picture."""
 
-_UNPACKING = """<!doctype html><meta charset="utf-8"><body><script>
-const packed = Uint8Array.from(atob("PACKED"), (letter) => letter.charCodeAt(0));
-const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));
-new Response(stream).text().then((page) => {
-  document.open();
-  document.write(page);
-  document.close();
-});
-</script>"""
-"""A page that unpacks another page and replaces itself. Browsers support that since 2023."""
 
 _ALLOWED = "allow-scripts allow-downloads"
 """Permissions of the page in its frame: it has no access to the notebook."""
@@ -78,9 +68,13 @@ class Frame(OneLine):
 
 
 def packed(page: str) -> str:
-    """A page that unpacks ``page``: 52 kB instead of 135 for three blocks."""
+    """A page that unpacks ``page`` and replaces itself: 52 kB instead of 135 for three blocks.
+
+    Browsers support that since 2023.
+    """
     small = base64.b64encode(gzip.compress(page.encode("utf-8"), mtime=0)).decode("ascii")
-    return _UNPACKING.replace("PACKED", small)
+    static = resources.files("drystone.view").joinpath("static")
+    return static.joinpath("unpacking.html").read_text("utf-8").replace("PACKED", small)
 
 
 def _framed(page: str, style: str) -> str:
