@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from importlib import resources
 from itertools import chain, compress, product
 from pathlib import Path
@@ -45,7 +45,7 @@ class Action(OneLine):
     psi
         Combination factors 0, 1 and 2 of a variable action.
     factors
-        Unfavourable and favourable, where they are not those of the situation.
+        Unfavourable and favourable, by the names of the situations whose own they replace.
     group
         Of the variable actions of a group one acts at a time.
     together
@@ -62,7 +62,7 @@ class Action(OneLine):
     kind: str
     load: LoadCase
     psi: tuple[float, float, float] = (1.0, 1.0, 1.0)
-    factors: tuple[float, float] | None = None
+    factors: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     group: str = ""
     together: str = ""
     beside: float = 1.0
@@ -210,8 +210,10 @@ def read_combinations(path: PathLike, model: Model) -> list[Combination]:
         ``BLOCK:WHAT``, or a list of these; ``shaken``: its downward forces are weights of masses,
         which earthquakes shake as they do fill and masses in kg; ``blocks``, to which gravity is
         restricted; ``psi`` or ``category`` of variable actions; ``factors``: unfavourable and
-        favourable; ``group``, of which one acts at a time; ``together``: a name, alike in all that
-        lead as one action, of ``tandem``, ``udl`` and ``footway`` ``gr1a``; ``reversible``.
+        favourable, in place of those of situations with partial factors, or by the names of
+        situations: ``factors = { STR = [1.2, 1] }``; ``group``, of which one acts at a time;
+        ``together``: a name, alike in all that lead as one action, of ``tandem``, ``udl`` and
+        ``footway`` ``gr1a``; ``reversible``.
     model
 
     Raises
@@ -242,9 +244,16 @@ def read_combinations(path: PathLike, model: Model) -> list[Combination]:
     top = parse_toml(read_bytes(path), as_path(path))
     top.only(("standard", "situations", "situation", "material", "case"))
     standard = _standard(top)
-    actions = tuple(_action(name, one, model, standard) for name, one in top["case"].items())
+    every = _situations(top, standard)
+    situations = _chosen(top, every)
+    actions = tuple(
+        replace(
+            _action(name, one, model, standard),
+            factors=_own_factors(one, standard, every, situations),
+        )
+        for name, one in top["case"].items()
+    )
     _refuse_missing_load(top["case"], actions, model)
-    situations = _situations(top, standard)
     _refuse_without_situation(top, actions, situations)
     made = [one for each in situations for one in _combined(each, actions)]
     if not made:
@@ -341,6 +350,11 @@ def _standard(top: Field) -> Field:
     return parse_toml(folder.joinpath(file).read_bytes(), Path(file))
 
 
+def listed(values: Iterable[float], between: str = ", ") -> str:
+    """Numbers as text."""
+    return between.join(f"{x:g}" for x in values)
+
+
 def _gamma(one: Field) -> float:
     """A factor by which something is divided: a number, or a class of EN 1996."""
     if isinstance(one.value, str):
@@ -359,21 +373,24 @@ def _gamma(one: Field) -> float:
     return one.number()
 
 
-def _situations(top: Field, standard: Field) -> list[Situation]:
-    """The situations of a file, or of a standard, that are asked for."""
+def _situations(top: Field, standard: Field) -> dict[str, Situation]:
+    """The situations of a file, or of a standard."""
     divided = top.get("material", {})
     divided.only(_DIVIDED)
     material = {name: _gamma(one) for name, one in divided.items()}
     given = (top if top.has("situation") else standard)["situation"]
-    every = [_situation(one, material) for one in given.elements()]
-    known = {one.name: one for one in every}
+    return {one["name"].text(): _situation(one, material) for one in given.elements()}
+
+
+def _chosen(top: Field, every: Mapping[str, Situation]) -> list[Situation]:
+    """Those that a file asks for."""
     if not top.has("situations"):
-        return list(known.values())
+        return list(every.values())
     chosen = []
     for one in top["situations"].elements():
-        if one.text() not in known:
-            raise one.error(f"there is no situation '{one.text()}'", meant(one.text(), known))
-        chosen.append(known[one.text()])
+        if one.text() not in every:
+            raise one.error(f"there is no situation '{one.text()}'", meant(one.text(), every))
+        chosen.append(every[one.text()])
     return chosen
 
 
@@ -415,6 +432,39 @@ def _factors(one: Field) -> tuple[float, float]:
     return bad, good
 
 
+def _own_factors(
+    one: Field, standard: Field, every: Mapping[str, Situation], chosen: Sequence[Situation]
+) -> dict[str, tuple[float, float]]:
+    """Factors of a case, or of its category: a pair is for all situations with partial factors."""
+    variable = one["kind"].text() == "variable"
+    theirs = {by.name: (by.leading[0], 1.0) if variable else by.permanent for by in chosen}
+    partial = {name: pair for name, pair in theirs.items() if pair[0] > 1.0 or pair[1] < 1.0}
+    own = one.get("factors", {})
+    if not isinstance(own.value, dict):
+        pair = _factors(own)
+        if not variable:
+            _refuse_unless_alike(own, partial)
+        return dict.fromkeys(partial, pair)
+    own.only(every)
+    known = _with_psi(one, standard) if variable else one
+    found = dict.fromkeys(partial, (known["factor"].number(), 0.0)) if known.has("factor") else {}
+    return found | {name: _factors(pair) for name, pair in own.items()}
+
+
+def _refuse_unless_alike(own: Field, partial: Mapping[str, tuple[float, float]]) -> None:
+    """Refuse a pair of a permanent case that is not in place of one pair of situations."""
+    if len(set(partial.values())) == 1:
+        return
+    what = "is for no situation: all have 1 for permanent actions"
+    if partial:
+        told = "; ".join(f"{name} {listed(pair)}" for name, pair in partial.items())
+        what = f"is one pair, and situations have different ones: {told}"
+    *_, name = "NAME", *partial
+    raise own.error(
+        what, f"name those it replaces: factors = {{ {name} = [{listed(_factors(own))}] }}"
+    )
+
+
 def _action(name: str, one: Field, model: Model, standard: Field) -> Action:
     one.only((*_OWN, "load", "shaken", "blocks", "psi", "category", "factors"))
     kind = one["kind"]
@@ -423,7 +473,6 @@ def _action(name: str, one: Field, model: Model, standard: Field) -> Action:
     _refuse_of_others(one, kind.text())
     parts = _parts(name, one, model)
     load = LoadCase.combine([(1.0, part) for part in parts], name)
-    factors = _factors(one["factors"]) if one.has("factors") else None
     psi, together, beside = (1.0, 1.0, 1.0), "", 1.0
     if kind.text() == "variable":
         known = _with_psi(one, standard)
@@ -431,11 +480,9 @@ def _action(name: str, one: Field, model: Model, standard: Field) -> Action:
         together = one.get("together", known.get("together", "").value).text()
         if known is not one:
             beside = known.get("beside", 1.0).number()
-            if factors is None and known.has("factor"):
-                factors = (known["factor"].number(), 0.0)
     reversible = one.get("reversible", False).boolean()
     acts = _group(one, standard), together, beside, reversible, tuple(parts)
-    return Action(name, kind.text(), load, psi, factors, *acts)
+    return Action(name, kind.text(), load, psi, {}, *acts)
 
 
 def _group(one: Field, standard: Field) -> str:
@@ -547,7 +594,7 @@ def _combined(by: Situation, actions: tuple[Action, ...]) -> Iterator[Combinatio
 def _lasting(by: Situation, actions: Sequence[Action]) -> list[list[dict[str, float]]]:
     """Factors of each permanent action."""
     return [
-        [{one.name: factor} for factor in dict.fromkeys(one.factors or by.permanent)]
+        [{one.name: factor} for factor in dict.fromkeys(one.factors.get(by.name, by.permanent))]
         for one in actions
         if one.kind == "permanent"
     ]
@@ -583,12 +630,8 @@ def _sets(variable: Sequence[Action]) -> Iterator[list[Action]]:
 
 
 def _factor(one: Action, leads: bool, by: Situation, count: int) -> float:
-    """The factor of one of a count of actions that lead together.
-
-    Its own replaces that of the situation above 1.
-    """
+    """The factor of one of a count of actions that lead together."""
     factor, number = by.leading if leads else by.others
-    if one.factors is not None and by.leading[0] > 1.0:
-        factor = one.factors[0]
+    factor = one.factors.get(by.name, (factor,))[0]
     share = one.beside if count > 1 else 1.0
     return factor * share * (1.0 if number < 0 else one.psi[number])

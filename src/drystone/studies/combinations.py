@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from pathlib import PurePath
@@ -27,7 +27,13 @@ from drystone.model import Model
 from drystone.results import Result
 from drystone.solvers.threads import one_blas_thread
 from drystone.stability import CheckOptions, check
-from drystone.studies.combination_file import Action, Combination, read_combinations
+from drystone.studies.combination_file import (
+    Action,
+    Combination,
+    Situation,
+    listed,
+    read_combinations,
+)
 
 Need = Literal["both", "size", "friction", "none"]
 _OF = {"size": "size of the joints", "friction": "friction"}
@@ -286,11 +292,12 @@ def _carried(model: Model, lasting: LoadCase, others: LoadCase) -> float:
 
 def _situations(each: Sequence[Combination]) -> Table:
     """The situations with their factors."""
+    actions = each[0].actions
     rows = [
         (
-            by.name, _listed(dict.fromkeys(by.permanent), " or "), _psi_words(by.leading),
-            _psi_words(by.others), f"1 {by.event}" if by.event else "", by.friction, by.strength,
-            by.tie, by.source,
+            by.name, _lasting_words(by, actions), _variable_words(by, by.leading, actions),
+            _variable_words(by, by.others, actions), f"1 {by.event}" if by.event else "",
+            by.friction, by.strength, by.tie, by.source,
         )
         for by in dict.fromkeys(one.situation for one in each)
     ]  # fmt: skip
@@ -307,8 +314,9 @@ def _cases(actions: Sequence[Action], assembly: Assembly) -> list[Table]:
         parts.append(applied.table(assembly.names))
         rows.append((
             one.name, one.kind, one.words, one.load.wrench[assembly.free, :3].sum(axis=0).tolist(),
-            applied.acceleration.tolist(), _listed(one.psi) if one.kind == "variable" else "",
-            _listed(one.factors) if one.factors else "of the situation",
+            applied.acceleration.tolist(), listed(one.psi) if one.kind == "variable" else "",
+            "; ".join(f"{name} {listed(pair)}" for name, pair in one.factors.items())
+            or "of the situation",
         ))  # fmt: skip
     names = ("case", "kind", "load", "force", "acceleration", "psi", "factors")
     columns = dict(zip(names, zip(*rows, strict=True), strict=True))
@@ -318,14 +326,20 @@ def _cases(actions: Sequence[Action], assembly: Assembly) -> list[Table]:
     return [Table("cases", columns, units), Table("loads of cases", loads, parts[0].units)]
 
 
-def _psi_words(pair: tuple[float, int]) -> str:
-    """A factor, and the combination factor that multiplies it."""
+def _lasting_words(by: Situation, actions: Sequence[Action]) -> str:
+    """Factors of permanent actions, and those of actions that have their own."""
+    own = [f"; {one.name} {listed(dict.fromkeys(one.factors[by.name]), ' or ')}"
+           for one in actions if one.kind == "permanent" and by.name in one.factors]  # fmt: skip
+    return "".join((listed(dict.fromkeys(by.permanent), " or "), *own))
+
+
+def _variable_words(by: Situation, pair: tuple[float, int], actions: Sequence[Action]) -> str:
+    """A factor, those of actions that have their own, and the combination factor beside them."""
     factor, number = pair
-    return f"{factor:g}" if number < 0 else f"{factor:g} psi {number}"
-
-
-def _listed(values: Iterable[float], between: str = ", ") -> str:
-    return between.join(f"{x:g}" for x in values)
+    psi = f" psi {number}" if number >= 0 else ""
+    own = [f"; {one.name} {one.factors[by.name][0]:g}{psi}"
+           for one in actions if one.kind == "variable" and by.name in one.factors]  # fmt: skip
+    return "".join((f"{factor:g}{psi}", *own))
 
 
 OFFERED = Offered(combinations, "arch.json cases.toml", ("needed_of",))

@@ -184,6 +184,23 @@ def test_tandem_and_udl_lead_as_one_action(udl: float, stands: bool, tmp_path: P
     assert any(one.words == "1 weight + 1.0125 ts + 0.54 udl + 1.5 push" for one in each)
 
 
+def test_factors_of_a_permanent_case_replace_those_of_the_situations_that_are_named(
+    tmp_path: Path,
+) -> None:
+    """EQU keeps 0.9 of what holds, 0.9 W b/2 = 1.5 Q h/2 at 14,126 N, and serviceability has 1."""
+    own = WEIGHT + "factors = { STR = [1.2, 1.0] }"
+    some = 'situations = ["EQU", "STR", "characteristic"]'
+    found = combinations(STACK, written(tmp_path, some, own, PUSH.format(14250)), needed_of="none")
+    words = [(one.situation.name, one.words) for one in found.each if "push" not in one.factors]
+    assert words == [
+        *(("EQU", "1.1 weight"), ("EQU", "0.9 weight"), ("STR", "1.2 weight")),
+        *(("STR", "1 weight"), ("characteristic", "1 weight")),
+    ]
+    assert found.each[found.governs].words == "0.9 weight + 1.5 push"
+    told = [x.split("; ") for x in found.tables()[1]["permanent"]]
+    assert told == [["1.1 or 0.9"], ["1.35 or 1", "weight 1.2 or 1"], ["1"]]
+
+
 def test_cases_are_those_of_the_file_of_the_model_too(tmp_path: Path) -> None:
     assembly = tower(2)
     wind = LoadCase(LoadCase.point_load(assembly, 1, (500.0, 0.0, 0.0)).wrench, "wind")
@@ -200,6 +217,9 @@ def test_cases_are_those_of_the_file_of_the_model_too(tmp_path: Path) -> None:
     ("text", "message"),
     [
         (WEIGHT + "factors = [0.9, 1.1]", "case.weight.factors: contradicts itself: 0.9"),
+        (WEIGHT + "factors = [1.2, 1]", "different ones: EQU 1.1, 0.9; STR 1.35, 1; .* { STR = "),
+        (OWN + WEIGHT + "factors = [1.2, 1]", "case.weight.factors: is for no situation"),
+        (WEIGHT + "factors = { ULS = [1.2, 1] }", "unknown field 'ULS'; known are EQU"),
         (PUSH.format(1).replace("0.5,", "0.8,"), "case.push.psi: contradicts itself"),
         (PUSH.format(1) + 'category = "A"', "case.push: has psi and a category"),
         (PUSH.format(1) + 'group = "gr1a"', 'one case acts at a time; write together = "gr1a"'),
@@ -394,9 +414,10 @@ load = ["voussoir-05:20kN", "voussoir-06:3kN,0,0"]
     file = written(tmp_path, cases)
     found = combinations(segmental_bridge(5.0, 1.5, voussoirs=20), file, needed_of="none")
     told = {one.title: one for one in found.tables()}
+    assert told["situations"]["permanent"].tolist() == ["1.35 or 1; fill 1.2 or 0.9"]
     assert told["situations"]["leading"].tolist() == ["1.5"]
     assert told["cases"]["psi"].tolist() == ["", "", "", "0.7, 0.5, 0.3"]
-    assert told["cases"]["factors"].tolist()[1:3] == ["of the situation", "1.2, 0.9"]
+    assert told["cases"]["factors"].tolist()[1:3] == ["of the situation", "STR 1.2, 0.9"]
     assembly, factors = found.model.assembly, found.each[found.governs].factors
     total = np.zeros((len(assembly), 3))
     for case, along in zip(told["cases"]["case"], told["cases"]["acceleration"], strict=True):
