@@ -25,7 +25,7 @@ from drystone.design.changes import (
     joint_change,
 )
 from drystone.design.margin import LARGE_REGION, SMALL_REGION
-from drystone.design.mends_beside import prop, support, tie
+from drystone.design.mends_beside import lies_under_all, prop, support, tie
 from drystone.design.needs import SEARCHED, KnownNeeds, pulls_of_region
 from drystone.design.surgery import free_sides, merge_blocks, thicken_blocks, thickness_of
 from drystone.design.words import glue_words, listed, names_of, towards
@@ -238,8 +238,9 @@ def _thicker_words(bench: Bench, grown: _Grown, share: float) -> str:
     told += f"{most}, {half if len(free_sides(model, some, pairs)[0]) > 1 else free}"
     if (np.abs(across @ across[0]) > 0.99 * size * size[0]).all():
         told += f", along {towards(across[0]).lstrip('+-')}"
-    ends = bench.blocks[bench.local.assembly.fixed].tolist()
-    rest = [i for i in ends if i not in some and i != laid_ground(model.assembly)]
+    local, ends = bench.local.assembly, bench.blocks.tolist()
+    fixed = [i for i in np.flatnonzero(local.fixed).tolist() if not lies_under_all(local, i)]
+    rest = [ends[i] for i in fixed if ends[i] not in some]
     return (
         f"{told}; they overhang {names_of(model, rest)} where these are no wider" if rest else told
     )

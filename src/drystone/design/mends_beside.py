@@ -199,7 +199,7 @@ def _apart(bench: Bench, motion: Floats, ties: tuple[_Ends, ...] = ()) -> list[t
     """Pairs of blocks that move apart, the fastest first, of equal ones that nearest the middle."""
     local, own = bench.local.assembly, bench.own
     used = [i for ends in ties for i in ends]
-    ground = [i for i in np.flatnonzero(local.fixed).tolist() if _lies_under_all(local, i)]
+    ground = [i for i in np.flatnonzero(local.fixed).tolist() if lies_under_all(local, i)]
     velocity = np.where(local.fixed[:, None], 0.0, motion[:, :3])
     found: list[tuple[float, _Ends]] = []
     for i in own:
@@ -214,7 +214,7 @@ def _apart(bench: Bench, motion: Floats, ties: tuple[_Ends, ...] = ()) -> list[t
     return sorted(found, key=lambda pair: (-round(pair[0] / most, 6), _off(bench, pair[1])))
 
 
-def _lies_under_all(assembly: Assembly, block: int) -> bool:
+def lies_under_all(assembly: Assembly, block: int) -> bool:
     """Whether a block spreads below all others, as ground does: a tie has no end in its middle."""
     low, high = assembly.bounds[:, 0], assembly.bounds[:, 1]
     return bool(

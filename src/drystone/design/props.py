@@ -235,6 +235,8 @@ def seats(
 ) -> Iterator[PropSeat]:
     """Places for a prop against a block: on each free part of its faces that move forward.
 
+    None where earth or fill lies.
+
     On a part they lie on a line through its middle, in the direction in which it moves forward
     faster, else its steepest one.
 
@@ -257,7 +259,11 @@ def seats(
         speed = max(float(np.linalg.norm(velocity)), 1e-300)
         forward = bool(part.normal @ velocity > _AGAINST * speed)
         lower = bool(part.normal @ load > _AGAINST * np.linalg.norm(load))
-        if part.area >= half**2 and (lower and not forward if low else forward):
+        if (
+            part.area >= half**2
+            and not _pressed(model, part)
+            and (lower and not forward if low else forward)
+        ):
             faster = np.cross(part.normal, motion[3:]) * body.size / speed
             lines = [part.frame[1:] @ one for one in (faster, np.array([0.0, 0.0, -1.0]))]
             along = next((one for one in lines if np.linalg.norm(one) > _AGAINST), np.eye(2)[0])
@@ -347,6 +353,15 @@ def find_props(
 
 _RAKED = 3.0
 """A level prop is a raking shore: at 70 degrees it carries three times the level force."""
+
+
+def _pressed(model: Model, part: FreePart) -> bool:
+    """Whether earth or fill lies on a part of a face."""
+    surface = model.load.surface
+    if surface is None:
+        return False
+    off = (surface.point[surface.block == part.block] - part.middle) @ part.normal
+    return bool((np.abs(off).max(axis=1) < 1e-3 * model.assembly.size[part.block]).any())
 
 
 def _ranked(

@@ -196,6 +196,17 @@ def test_a_prop_stands_where_the_least_force_holds_level_or_upright_and_in_the_m
         assert held.force / held.size == pytest.approx(np.array(way), abs=1e-9)
 
 
+def test_no_prop_stands_where_earth_or_fill_lies_on_a_face() -> None:
+    base, out = box((1.0, 1.0, 1.0), name="base"), box((1.0, 1.0, 0.2), (0.7, 0.0, 1.0), "out")
+    assembly = Assembly((base, out)).with_fixed([0])
+    plain = Model.of(assembly, friction=0.6)
+    below = LoadCase.surface_load(assembly, 1, (0.0, 0.0, 1.0), facing=(0.0, 0.0, -1.0))
+    for model, upright in ((plain, True), (plain.with_load(plain.load + below), False)):
+        fallen = drystone.diagnose(model, options=DiagnosisOptions.brief())
+        found = find_props(model, [1], fallen.motion, shares=(0.0, 0.4)).props
+        assert any(one.seat.normal[2] > 0.9 for one in found) == upright
+
+
 def test_blocks_that_fall_together_are_one_region_and_others_are_another() -> None:
     assert regions_of(Model.of(tower(6)), [1, 2, 4, 5]) == [(1, 2), (4, 5)]
 

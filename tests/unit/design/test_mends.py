@@ -462,6 +462,7 @@ def test_a_pier_gets_thicker_where_it_overturns_and_its_foot_with_it() -> None:
     assert only.change.value == pytest.approx(3.0 * np.tan(np.deg2rad(8.0)) / 0.3 - 1.0, abs=0.03)
     assert "and 'course--1' thicker by" in only.change.description
     assert "along x" in only.change.description
+    assert "overhang" not in only.change.description  # its foot is the ground
 
 
 def test_a_pier_gets_thicker_alone_and_a_cap_that_is_kept_does_not() -> None:
