@@ -410,11 +410,11 @@ class Form:
         moved = statics.displacement(state.motion)
         pressed = moved[:, 0] < 0.0
         normal = np.where(pressed, -kn * moved[:, 0], 0.0)
-        friction = self.springs.friction(normal, moved[:, 1:])
+        by_slide, by_normal = self.springs.friction(normal, moved[:, 1:]).slope()
         tangent = np.zeros((statics.corner_count, 3, 3))
         tangent[:, 0, 0] = np.where(pressed, kn, self.springs.glue * kn)
-        tangent[:, 1:, 0] = -friction.by_normal * np.where(pressed, kn, 0.0)[:, None]
-        tangent[:, 1:, 1:] = friction.by_slide
+        tangent[:, 1:, 0] = -by_normal * np.where(pressed, kn, 0.0)[:, None]
+        tangent[:, 1:, 1:] = by_slide
         back = np.ascontiguousarray(np.swapaxes(tangent, 1, 2))
         adjoint = statics.maps.factorise(back, weight)(by_motion)
         forces = -np.einsum("kij,kj->ki", back, statics.displacement(adjoint))

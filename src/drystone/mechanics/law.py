@@ -14,7 +14,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
@@ -41,26 +40,12 @@ class FrictionResponse:
     ----------
     force : (k, 2) T
     slope
-        Function that computes the derivatives, since most responses need only the force.
+        Function that computes the derivatives, since most responses need only the force: with
+        respect to slide, dT / d dt (k, 2, 2), and to normal force, dT / d fn (k, 2).
     """
 
     force: Floats
     slope: Callable[[], tuple[Floats, Floats]]
-
-    @cached_property
-    def derivatives(self) -> tuple[Floats, Floats]:
-        """With respect to slide, dT / d dt (k, 2, 2), and to normal force, dT / d fn (k, 2)."""
-        return self.slope()
-
-    @property
-    def by_slide(self) -> Floats:
-        """(k, 2, 2) dT / d dt"""
-        return self.derivatives[0]
-
-    @property
-    def by_normal(self) -> Floats:
-        """(k, 2) dT / d fn"""
-        return self.derivatives[1]
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,7 +74,7 @@ class FrictionBound:
     def growth(self, normal: Floats) -> Floats:
         """Its derivative (k,) by the normal force."""
         if isinstance(self.cohesion, float):
-            return np.where(normal > 0.0, self.friction, 0.0)
+            return self.friction * (normal > 0.0)
         bound = self.friction * normal + self.cohesion
         return np.where((bound > 0.0) & (bound < self.shear), self.friction, 0.0)
 
@@ -109,15 +94,15 @@ class SlipLength:
 
     def __call__(self, normal: Floats, slide: Floats) -> FrictionResponse:
         """Response to normal forces (k,) and slides (k, 2)."""
-        along_u, along_v = slide[..., 0], slide[..., 1]
-        reach = np.sqrt(self.slip**2 + along_u**2 + along_v**2)
+        along = np.array(slide.T, order="C")  # two components (k,), side by side in memory
+        reach = np.sqrt(self.slip**2 + along[0] ** 2 + along[1] ** 2)
         stiffness = self.bound(normal) / reach
 
         def slope() -> tuple[Floats, Floats]:
-            x, y, growth = along_u / reach, along_v / reach, self.bound.growth(normal)
-            return _across(stiffness, stiffness, x, y), _plane(growth * x, growth * y)
+            way = along / reach
+            return _across(stiffness, stiffness, *way), (self.bound.growth(normal) * way).T
 
-        return FrictionResponse(_plane(stiffness * along_u, stiffness * along_v), slope)
+        return FrictionResponse((stiffness * along).T, slope)
 
     def slide_of(self, normal: Floats, held: Floats, slide: Floats) -> Floats:
         """The slide (k, 2) at which T is ``held`` (k, 2); ``slide`` where there is no bound."""
@@ -149,21 +134,20 @@ class StickSlip:
         self, normal: Floats, slide: Floats, before: Floats | None = None
     ) -> FrictionResponse:
         """Response to normal forces (k,) and slides (k, 2) after T0 (k, 2), zero if left out."""
-        trial_u, trial_v = self.stiffness * slide[..., 0], self.stiffness * slide[..., 1]
+        trial = np.multiply(self.stiffness, slide.T, order="C")
         if before is not None:
-            trial_u, trial_v = trial_u + before[..., 0], trial_v + before[..., 1]
-        size = np.sqrt(trial_u**2 + trial_v**2)
+            trial += before.T
+        square = trial * trial
+        size = np.sqrt(square[0] + square[1] + 1e-300)  # lost beside any other, and above zero
         bound = self.bound(normal)
-        slips = size > bound
-        safe = np.where(size > 0.0, size, 1.0)
-        ratio = np.where(slips, bound / safe, 1.0)
+        ratio = np.minimum(bound / size, 1.0)
 
         def slope() -> tuple[Floats, Floats]:
-            x, y, secant = trial_u / safe, trial_v / safe, self.stiffness * ratio
+            way, secant, slips = trial / size, self.stiffness * ratio, size > bound
             growth = slips * self.bound.growth(normal)
-            return _across(secant, secant * slips, x, y), _plane(growth * x, growth * y)
+            return _across(secant, secant * slips, *way), (growth * way).T
 
-        return FrictionResponse(_plane(ratio * trial_u, ratio * trial_v), slope)
+        return FrictionResponse((ratio * trial).T, slope)
 
     def slide_of(self, normal: Floats, held: Floats, slide: Floats) -> Floats:
         """The slide (k, 2) at which T is ``held`` (k, 2); where it slips, a longer ``slide``."""
@@ -181,11 +165,6 @@ def _across(stiffness: Floats, along: Floats, x: Floats, y: Floats) -> Floats:
     out[0, 1] = out[1, 0] = -lost * y
     np.subtract(stiffness, along * y * y, out=out[1, 1])
     return out.T
-
-
-def _plane(x: Floats, y: Floats) -> Floats:
-    """(k, 2) of two components (k,), which lie side by side in memory."""
-    return np.array([x, y]).T
 
 
 FrictionLaw = SlipLength | StickSlip
@@ -286,9 +265,18 @@ class ContactResponse:
         out = np.empty((3, 3, *bearing.shape))  # the numbers of many corners lie side by side
         out[0, 0] = bearing + apart * self._glue
         out[0, 1:] = 0.0
-        np.multiply(-self._friction.by_normal.T, bearing, out=out[1:, 0])
-        out[1:, 1:] = self._friction.by_slide.transpose(1, 2, 0)
+        by_slide, by_normal = self._friction.slope()
+        np.multiply(-by_normal.T, bearing, out=out[1:, 0])
+        out[1:, 1:] = by_slide.transpose(1, 2, 0)
         return out.transpose(2, 0, 1)
+
+
+def pressing(normal: Floats, friction: FrictionResponse) -> Floats:
+    """Forces (k, 3) of normal forces (k,) and friction against the slide."""
+    force = np.empty((len(normal), 3))
+    force[:, 0] = normal
+    np.negative(friction.force, out=force[:, 1:])
+    return force
 
 
 def respond(
@@ -306,16 +294,16 @@ def respond(
     """
     pressed = gap < 0.0
     presses, press = springs.press(gap)
-    bearing = np.where(pressed, presses, 0.0)
-    pull = glue = _NOTHING
-    tension = _NOTHING
+    bearing = net = np.maximum(presses, 0.0)
+    tension = pull = glue = _NOTHING
     if springs.tension is not None or springs.glue:
         opening = np.maximum(0.0, gap)
         held, pull = springs.pull(opening)
         glue = springs.glue * springs.normal
         bearing, tension = bearing - held, glue * opening
+        net = bearing - tension
     friction = springs.resisted(bearing, slide, before)
-    force = np.concatenate([(bearing - tension)[..., None], -friction.force], axis=-1)
+    force = pressing(net, friction)
     return ContactResponse(force, pressed, tension, friction, press, pull, glue)
 
 

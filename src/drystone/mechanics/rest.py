@@ -21,6 +21,7 @@ rigid-block analysis, Kao et al. 2022, eq. 5.6.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import NamedTuple
@@ -28,7 +29,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drystone.base.arrays import Floats, lengths
-from drystone.mechanics.law import Compliance, FrictionResponse, wrench_size
+from drystone.mechanics.law import Compliance, FrictionResponse, pressing, wrench_size
 from drystone.mechanics.nearby import descend
 from drystone.mechanics.newton import Equation, Steps, newton
 from drystone.mechanics.rest_state import (
@@ -118,7 +119,7 @@ class _Path(Equation["_Point", tuple[Floats, Floats, Floats]]):
         self.statics = statics
         self.law = compliance.friction
         self.compliance = compliance
-        self.kn = compliance.normal
+        self.kn, self.quarter = compliance.normal, 0.25 * compliance.normal
         self.overlap = compliance.overlap
         self.glue = compliance.glue * compliance.normal
         self.options = options
@@ -256,8 +257,8 @@ class _Path(Equation["_Point", tuple[Floats, Floats, Floats]]):
 
     def relaxed_normal(self, gap: Floats, product: Floats) -> Floats:
         """The positive root fn of ``fn (gap + fn / kn) = product``, without cancellation."""
-        root = np.sqrt(gap**2 + 4.0 * product / self.kn) + np.abs(gap)
-        return np.where(gap < 0.0, 0.5 * self.kn * root, 2.0 * product / root)
+        half = 0.5 * (np.sqrt(gap**2 + product / self.quarter) + np.abs(gap))
+        return np.where(gap < 0.0, self.kn * half, product / half)
 
     def evaluate(
         self, motion: Floats, normal: Floats, tau: float, moved: Floats | None = None
@@ -270,15 +271,15 @@ class _Path(Equation["_Point", tuple[Floats, Floats, Floats]]):
         bearing = normal - self.pull(slack, tau)[0]
         friction = self.law(bearing, moved[:, 1:])
         net = bearing - self.glue * slack
-        force = np.concatenate([net[:, None], -friction.force], axis=1)
-        unbalanced = statics.wrench(force) + statics.load - self.ground * motion
+        unbalanced = statics.wrench(pressing(net, friction)) + statics.load - self.ground * motion
         return self.sized(_Point(motion, normal, moved, friction, unbalanced, slack, tau, np.inf))
 
     def sized(self, point: _Point) -> _Point:
         """The same with its size."""
         left = point.unbalanced / self.row_scale
         centring = (point.normal * point.slack) / self.unit - point.tau
-        return point._replace(size=float(np.sqrt((left**2).sum() + (centring**2).sum())))
+        size = math.sqrt(np.add.reduce(left**2, axis=None) + np.add.reduce(centring**2))
+        return point._replace(size=size)
 
     def with_tau(self, point: _Point, tau: float) -> _Point:
         """The same relaxed to another tau; only joints that pull feel it."""
@@ -294,13 +295,13 @@ class _Path(Equation["_Point", tuple[Floats, Floats, Floats]]):
         rigidity = np.maximum(point.slack + point.normal / self.kn, 1e-300)
         stiffness = point.normal / rigidity
         shift = (tau * self.unit - point.normal * point.slack) / rigidity
-        by_normal, held = point.friction.by_normal, self.pull(point.slack, tau)[1]
+        (by_slide, by_normal), held = point.friction.slope(), self.pull(point.slack, tau)[1]
         opening = 1.0 - stiffness / self.kn
         bearing = stiffness + held * opening
         tangent = np.zeros((3, 3, len(stiffness))).transpose(2, 0, 1)
         tangent[:, 0, 0] = bearing + self.glue * opening
         tangent[:, 1:, 0] = -by_normal * bearing[:, None]
-        tangent[:, 1:, 1:] = point.friction.by_slide
+        tangent[:, 1:, 1:] = by_slide
         borne = shift * (1.0 - held / self.kn)
         net = borne - shift * (self.glue / self.kn)
         correction = np.concatenate([net[:, None], -by_normal * borne[:, None]], axis=1)
@@ -323,7 +324,7 @@ class _Path(Equation["_Point", tuple[Floats, Floats, Floats]]):
         bearing = np.where(open_, -self.pull(point.slack, 0.0)[0], point.normal)
         tension = np.where(open_, self.glue * point.slack, 0.0)
         friction = self.law(bearing, point.moved[:, 1:])
-        force = np.concatenate([(bearing - tension)[:, None], -friction.force], axis=1)
+        force = pressing(bearing - tension, friction)
         ground = self.ground * point.motion
         rest = wrench_size(statics.wrench(force) + statics.load - ground)
         unbalanced = float((rest / block_scale(statics, force)).max(initial=0.0))
