@@ -7,12 +7,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from drystone.base.arrays import ROUNDING, Bools, Floats, Ints, dot
 from drystone.base.display import OneLine
 from drystone.base.errors import counted
+from drystone.base.ragged import linked
 from drystone.base.table import Table
 from drystone.base.units import quantity
 from drystone.checks import mechanism_defects, normal_force_by_strength
@@ -136,8 +135,8 @@ def _meet(contacts: Contacts, foot: Bools) -> bool:
     )
     beyond = low[:, None] > high + 1e-6 * float((high - low).max())
     apart = beyond.any(axis=2)
-    meet = ~(apart | apart.T)
-    return int(connected_components(coo_array(meet.astype(float)))[0]) == 1
+    one, other = np.nonzero(~(apart | apart.T))
+    return bool(linked(one, other, len(low)).max(initial=-1) == 0)
 
 
 def least_strength(result: Result) -> tuple[float, int]:
@@ -329,11 +328,8 @@ def _over_openings(result: Result) -> Bools:
 
 def _joined(result: Result, through: Bools) -> Ints:
     """The part (n,) of each block, of those that hang together through some joints (j,)."""
-    joints, count = result.contacts.joints, len(result.assembly)
-    pairs = joints.block_a[through], joints.block_b[through]
-    graph = coo_array((np.ones(len(pairs[0])), pairs), shape=(count, count))
-    _, part = connected_components(graph, directed=False)
-    return np.asarray(part, dtype=np.intp)
+    joints = result.contacts.joints
+    return linked(joints.block_a[through], joints.block_b[through], len(result.assembly))
 
 
 def _below(result: Result, arch: Bools) -> Bools:

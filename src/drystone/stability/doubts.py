@@ -8,11 +8,11 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from scipy.sparse.csgraph import connected_components
 
 from drystone.assembly import Assembly
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
+from drystone.base.ragged import linked
 from drystone.detection.advice import option_for
 from drystone.detection.tolerances import Reason
 from drystone.io import files_at, format_of
@@ -140,8 +140,8 @@ def _feet(assembly: Assembly) -> int:
     high = np.array([one.max(axis=0) for one in fixed])
     apart = 1e-6 * float((high - low).max())
     near = np.all(low[:, None] <= high[None] + apart, axis=2)
-    both = np.logical_and(near, near.T)
-    return int(connected_components(both, directed=False)[0])
+    one, other = np.nonzero(near & near.T)
+    return int(linked(one, other, len(fixed)).max()) + 1
 
 
 def _better_upright(model: Model, supports: str, up: str) -> str:
