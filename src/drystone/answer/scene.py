@@ -10,7 +10,6 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from drystone.answer.chart import Chart
 from drystone.answer.question import UP
@@ -21,6 +20,7 @@ from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
 from drystone.base.version import version
 from drystone.contacts import Contacts, joined_contacts
+from drystone.geometry.frames import rotations
 from drystone.model import Model
 from drystone.supports import bounds_above_ground, with_thin_ground
 
@@ -274,9 +274,9 @@ def _about(stage: SceneStage, moved: Floats) -> SceneStage:
     def carried(motion: Floats | None) -> Floats | None:
         if motion is None or not motion[..., 3:][..., moved.any(axis=1), :].any():
             return motion
-        turn = Rotation.from_rotvec(motion[..., 3:].reshape(-1, 3))
+        turn = rotations(motion[..., 3:].reshape(-1, 3))
         arm = moved + np.zeros_like(motion[..., :3])
-        back = turn.apply(arm.reshape(-1, 3)).reshape(arm.shape) - arm
+        back = (turn @ arm.reshape(-1, 3, 1)).reshape(arm.shape) - arm
         return np.concatenate([motion[..., :3] + back, motion[..., 3:]], axis=-1)
 
     return replace(stage, motion=carried(stage.motion), path=carried(stage.path))

@@ -8,7 +8,6 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 from scipy.special import betaincinv
 
 from drystone.answer import Answer, Role, Scene, Sentence
@@ -21,6 +20,7 @@ from drystone.base.settings import Clock, Options, checked_call, member_of
 from drystone.base.table import Table
 from drystone.base.workers import WorkerPool
 from drystone.contacts import Contacts
+from drystone.geometry.frames import rotations
 from drystone.io.opening import Given, LongHow, as_model
 from drystone.limits.limit_types import STANDS, Check, verdict
 from drystone.model import Model
@@ -345,7 +345,7 @@ def imperfect(
         turn = turn + np.rad2deg(np.arctan(moved[1] / half[:, None]))
     if imperfections.turn > 0.0 or imperfections.tolerance > 0.0:
         axis = np.einsum("mi,mij->mj", turn, frame[:, 1:])
-        turns = Rotation.from_rotvec(np.deg2rad(axis)).as_matrix()
+        turns = rotations(np.deg2rad(axis))
         frame = frame @ np.swapaxes(turns, 1, 2)
         arm = point - contacts.centroid[interface]
         point = contacts.centroid[interface] + np.einsum("kij,kj->ki", turns[interface], arm)

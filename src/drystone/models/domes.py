@@ -12,7 +12,6 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.interpolate import CubicSpline
 
 from drystone.assembly import Assembly, Block
 from drystone.base.arrays import Floats
@@ -149,6 +148,8 @@ def resampled(curve: ArrayLike, strips: int) -> Floats:
     points = np.asarray(curve, dtype=np.float64)
     if strips == len(points) - 1:
         return points
+    from scipy.interpolate import CubicSpline  # slow to import
+
     parameter = np.arange(len(points))
     finer: Floats = CubicSpline(parameter, points)(np.linspace(0.0, len(points) - 1.0, strips + 1))
     finer[[0, -1]] = points[[0, -1]]

@@ -9,7 +9,6 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from drystone.answer import (
     Answer,
@@ -33,6 +32,7 @@ from drystone.base.table import Table
 from drystone.checks import block_speed
 from drystone.contacts import Contacts
 from drystone.friction_use import utilisation_of
+from drystone.geometry.frames import rotations
 from drystone.joints import (
     HINGED,
     Resultants,
@@ -377,7 +377,7 @@ class LargeDisplacement(Answer):
                 moved, turn = np.split(state.positions[block], 2, axis=1)
                 centroid = self.assembly.centroid[block]
                 arm = state.resultants.position[number] - centroid - moved
-                place = centroid + Rotation.from_rotvec(turn).inv().apply(arm)
+                place = centroid + (rotations(-turn) @ arm[:, :, None])[:, :, 0]
                 layer = Layer(
                     key, label, LayerKind.MARKERS, colour, place, block=block, shape=shape
                 )

@@ -19,7 +19,6 @@ from typing import Any, TypeAlias, cast
 import clarabel
 import numpy as np
 from scipy import sparse
-from scipy.optimize import linprog
 
 from drystone.base.arrays import Floats, Ints, frozen
 from drystone.base.display import OneLine
@@ -110,6 +109,8 @@ class ConicProgram(OneLine):
             "method": "highs-ds",
             "options": {} if np.isinf(time_limit_s) else {"time_limit": max(time_limit_s, 0.0)},
         }
+        from scipy.optimize import linprog  # slow to import, as its package is
+
         vertex = linprog(self.linear, **form)
         if vertex.x is None:
             raise SolverError(f"the simplex method found no vertex: {vertex.message}")
