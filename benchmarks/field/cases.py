@@ -20,7 +20,7 @@ from benchmarks.field.ferris import WALLS, wall_of_rows
 from drystone import Assembly, Contacts, LoadCase, models
 from drystone.base.arrays import Floats
 from drystone.base.files import write_bytes
-from drystone.io.json_write import contacts_content
+from drystone.io.json_files import contacts_content
 from drystone.models.arches import voussoirs_between
 from drystone.reproduce.tilt_cases import studies
 

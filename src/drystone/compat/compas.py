@@ -23,7 +23,7 @@ from drystone.contacts import DEFAULT_FRICTION, Contacts
 from drystone.geometry.frames import area_vector, frames_from_normals
 from drystone.io.compas_contacts import COMPONENTS, forces_of, frame_of, joined, solved
 from drystone.io.draft import Contents
-from drystone.io.json_write import assembly_content, block_model_content
+from drystone.io.json_files import assembly_content, block_model_content
 from drystone.io.registry import contents_of
 from drystone.model import Model
 from drystone.repair import mended_block

@@ -89,21 +89,21 @@ _SIMULATED = "ties, joint capacities, results, loads but for gravity"
 _SINGLE = "digits beyond single precision, polygons that are not plane"
 _COMPAS = f"friction, joint capacities, metadata, {_LOADS} but for forces"
 FORMATS: tuple[Format, ...] = (
-    Format("drystone", "drystone JSON", (".json",), "json_file", "json_write"),
+    Format("drystone", "drystone JSON", (".json",), "json_files", "json_files"),
     Format(
         "compas-assembly",
         "COMPAS JSON, compas_assembly",
         (".json",),
-        "json_file",
-        "json_write.write_assembly",
+        "json_files",
+        "json_files.write_assembly",
         _COMPAS,
     ),
     Format(
         "compas-dem",
         "COMPAS JSON, compas_dem",
         (".json",),
-        "json_file",
-        "json_write.write_block_model",
+        "json_files",
+        "json_files.write_block_model",
         _COMPAS,
     ),
     Format("obj", "Wavefront OBJ", (".obj",), "obj", "obj", _MATERIAL, True, up="z"),

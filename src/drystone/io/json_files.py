@@ -1,4 +1,4 @@
-"""JSON that is written: our own, and that of COMPAS."""
+"""JSON files of drystone, of COMPAS and of bricks: told apart when they are read, and written."""
 
 from __future__ import annotations
 
@@ -17,8 +17,9 @@ from drystone.base.errors import FormatError
 from drystone.base.files import utf8, write_bytes
 from drystone.contacts import Contacts
 from drystone.detection import DetectionOptions
+from drystone.io import bricks, compas_json, drystone_json, jsontext
 from drystone.io.compas_contacts import SEARCH
-from drystone.io.draft import Contents
+from drystone.io.draft import Contents, Draft
 from drystone.io.drystone_json import ARRAYS, CONTACTS, SCHEMA, VERSION
 from drystone.joint_capacity import DRY
 from drystone.loads import LoadCase
@@ -378,3 +379,11 @@ def _friction_contact(
         "forces": forces,
     }
     return _object("compas_dem.interactions/FrictionContact", data, str(i))
+
+
+def read(data: bytes, path: Path) -> Draft:
+    """The draft of any of the JSON formats."""
+    top = jsontext.parse(data, path)
+    if bricks.is_list(top):
+        return bricks.from_json(top)
+    return compas_json.read(top) if compas_json.is_compas(top) else drystone_json.read(top)
