@@ -103,7 +103,8 @@ def study(
         As behind ``drystone limit``, such as ``tilt --axis y``; when left out, models are checked.
     out
         A file that keeps each row as soon as it is known. Rows that it has are not computed again;
-        the content of files and models must be the same, that of functions is not compared.
+        it is refused where models, files that are named, or the text of ``build`` have changed.
+        Not seen is what ``build`` calls or opens by itself.
     options
         Of every check.
     each_s : [s]
@@ -142,8 +143,8 @@ def study(
         "format": "drystone-study", "version": version(), "limit": exactly(limit),
         "each_s": repr(each_s), "options": exactly(chosen), "parameters": sorted(rows[0]),
         "build": getattr(build, "__qualname__", None) or quoted(build, 120),
-        "content": content_of(build),
-        "inputs": _contents(rows),
+        "content": content_of(build) or _text_of(build),
+        "inputs": _contents(rows, [*limit.split(), *how.values()]),
         **{name: exactly(value) for name, value in sorted(how.items())},
     }  # fmt: skip
     names = ("number", *rows[0], *found)
@@ -511,10 +512,21 @@ def _listed(names: Sequence[str], found: Mapping[str, str], record: Any) -> list
     return [*row.values()]
 
 
-def _contents(rows: Iterable[Mapping[str, Any]]) -> list[str]:
+def _contents(rows: Iterable[Mapping[str, Any]], beside: Iterable[Any]) -> list[str]:
     """What inputs have beside what the rows say: arrays, and the content of files."""
     inputs = [one for row in rows for one in row.values()]
-    return sorted({*map(exactly, inputs)} - {repr(_plain(one)) for one in inputs})
+    files = {content_of(one) for one in (*inputs, *beside)} - {""}
+    return sorted({*map(exactly, inputs)} - {repr(_plain(one)) for one in inputs} | files)
+
+
+def _text_of(build: Any) -> str:
+    """The text of a function; empty where there is none."""
+    while isinstance(build, partial):
+        build = build.func
+    try:
+        return inspect.getsource(build)
+    except (OSError, TypeError):
+        return ""
 
 
 def _plain(value: Any) -> Any:

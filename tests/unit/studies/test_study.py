@@ -111,6 +111,20 @@ def test_rows_of_a_file_whose_content_was_changed_are_not_kept(tmp_path: Path) -
         study(pier(0.5), **asked)  # type: ignore[arg-type]
 
 
+def test_rows_are_not_kept_where_what_a_family_reads_or_does_has_changed(tmp_path: Path) -> None:
+    section, out = tmp_path / "section.toml", tmp_path / "found.jsonl"
+    section.write_text("width = 1", "utf-8")
+    rows = {"section": [str(section)], "width": [0.3]}
+    once = lambda section, width: pier(width)  # noqa: E731
+    twice = lambda section, width: pier(2.0 * width)  # noqa: E731
+    study(once, rows, out=out)
+    with pytest.raises(DrystoneError, match="other work: content differ; name another file"):
+        study(twice, rows, out=out)
+    section.write_text("width = 2", "utf-8")
+    with pytest.raises(DrystoneError, match="other work: inputs differ; name another file"):
+        study(once, rows, out=out)
+
+
 def test_a_data_frame_is_a_table_of_parameters_and_a_model_has_options_of_reading() -> None:
     pandas = pytest.importorskip("pandas")
     frame = pandas.DataFrame({"friction": [0.3, 0.9]})
