@@ -20,6 +20,7 @@ from drystone.geometry.frames import AXES
 from drystone.loads.case import LoadCase
 from drystone.loads.ground_words import (
     Reader,
+    degrees_told,
     length,
     pressure,
     pressure_ratio,
@@ -49,7 +50,7 @@ class Earth(Options):
         On which it lies: ``x``, ``-x``, ``y`` or ``-y``.
     weight : [N/m3] >= 0, <= 1e6
         By volume, also where it is saturated.
-    k : >= 0, <= 100
+    k : >= 0, <= 15
         Horizontal by vertical pressure.
     top : [m] >= -1e5, <= 1e5
         Level of its surface; the top of what is seen when left out.
@@ -57,7 +58,7 @@ class Earth(Options):
         On its surface.
     water : [m] >= -1e5, <= 1e5
         Level of the water in it; none when left out.
-    wall_friction : coefficient >= 0, <= 100
+    wall_friction : coefficient >= 0, <= 1.2
         Of the wall: the earth drags it down by this share of its pressure. No more than its own.
     blocks
         On which it presses, names and patterns with ``+`` between them; all that are seen when left
@@ -114,7 +115,9 @@ class Earth(Options):
             "wall_friction": units.coefficient,
             "blocks": str,
         }
-        made = cls(**read_words(text, "earth", known, "side=-x,weight=18kN/m3,k=0.33"))
+        given = read_words(text, "earth", known, "side=-x,weight=18kN/m3,k=0.33")
+        with degrees_told(text, k="active:", wall_friction=""):
+            made = cls(**given)
         if soil and made.wall_friction > (1.0 + SAME) * soil[0]:
             wall, own = (f"{math.degrees(math.atan(x)):.3g}" for x in (made.wall_friction, soil[0]))
             raise InputError(

@@ -18,6 +18,7 @@ from drystone.loads.case import DOWN, STANDARD_GRAVITY, LoadCase
 from drystone.loads.ground_words import (
     Reader,
     between,
+    degrees_told,
     grade,
     length,
     pressure_ratio,
@@ -40,12 +41,12 @@ class Fill(Options):
         Of the road above the highest block, at the middle of the bridge.
     weight : [N/m3] >= 0, <= 1e6
         By volume.
-    k : >= 0, <= 100
+    k : >= 0, <= 15
         Horizontal by vertical pressure on what is inclined.
-    passive : >= 0, <= 100
+    passive : >= 0, <= 15
         Largest such ratio that fill mobilises against what moves into it; none at zero. ``limit
         train`` uses it, and all that is asked with the tie ``fill``.
-    spread : >= 0, <= 100
+    spread : >= 0, <= 2
         Of a load, horizontal by vertical, to each side.
     grade : >= -10, <= 10
         Rise of the road by length along it.
@@ -133,7 +134,9 @@ class Fill(Options):
             "grade": grade,
             "between": between,
         }
-        return cls(**read_words(text, "fill", known, "cover=0.3m,weight=20kN/m3"))
+        given = read_words(text, "fill", known, "cover=0.3m,weight=20kN/m3")
+        with degrees_told(text, k="active:", passive="passive:", spread=""):
+            return cls(**given)
 
     def on(self, assembly: Assembly) -> LoadCase:
         """Its weight, and its pressure by ``k``, on the free blocks."""

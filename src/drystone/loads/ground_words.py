@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+import re
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from typing import Any
 
 from drystone.base import units
@@ -51,6 +53,28 @@ def read_words(text: str, what: str, known: Mapping[str, Reader], example: str) 
         if name not in found:
             raise InputError(f"{what} has no {name}", remedy=f"write {example}")
     return found
+
+
+@contextmanager
+def degrees_told(text: str, **angles: str) -> Iterator[None]:
+    """Tell of a ratio that is too large how the same number is written as an angle.
+
+    Parameters
+    ----------
+    text
+        Of ``name=value,name=value``.
+    **angles
+        What comes before the angle, by the names that can have one.
+    """
+    try:
+        yield
+    except InputError as error:
+        name = error.what.partition(" is ")[0]
+        typed = re.search(rf"\b{name}\s*=\s*([\d.]+)\s*(,|$)", text)
+        if name not in angles or typed is None or float(typed[1]) >= 90.0:
+            raise
+        told = f"{error.remedy}; degrees are written {name}={angles[name]}{typed[1]}deg"
+        raise InputError(error.what, remedy=told) from error
 
 
 def before(text: str, unit: str, example: str) -> str:
