@@ -138,10 +138,19 @@ class Earth(Options):
         if not len(strips.block):
             raise InputError("it touches no face", where="earth", remedy="see 'side'")
         top = float(strips.t.max()) if self.top is None else self.top
-        if top <= float(strips.t.min()):
+        if assembly.fixed[strips.block].all():
+            who = named([assembly.names[i] for i in np.unique(strips.block)], 2)
             raise InputError(
-                f"its top, {top:g} m, is below the wall", where="earth", remedy="give a level"
-            )
+                f"all that it touches, {who}, is fixed: a load on it changes nothing",
+                where="earth", remedy="name free blocks, or leave out 'blocks'; see 'side'",
+            )  # fmt: skip
+        lowest = float(strips.t.min())
+        for what, level in (("top", top), ("water", self.water)):
+            if level is not None and (level < lowest or (level == lowest and what == "top")):
+                raise InputError(
+                    f"its {what}, {level:g} m, is below the wall", where="earth",
+                    remedy=f"give a level above {lowest:g} m, not a height, or leave it out",
+                )  # fmt: skip
         levels = [top] if self.water is None else [top, self.water]
         strips = strips.cut_at(np.sort(levels))
 
@@ -173,6 +182,6 @@ class Earth(Options):
             f"earth presses also faces of {ends} that are seen from side {self.side} at less than "
         )
         notes: tuple[str, ...] = (f"{note}10 degrees, square to them",) if ends else ()
-        if self.water is not None and self.water > float(strips.t.min()):
+        if self.water is not None and self.water > lowest:
             notes += (_UPLIFT,)
         return LoadCase(strips.wrenches(assembly, traction), name, notes, surface=surface)
