@@ -64,6 +64,7 @@ def study(
     from drystone.answer import Role, Sentence, Statement  # work is imported when there is some
     from drystone.base.table import Table
     from drystone.report import save_study
+    from drystone.stability.doubts import friction_doubts
     from drystone.studies import study as studied
     from drystone.studies import study_chart, study_map, study_told
     from drystone.studies.limit_words import measures
@@ -75,6 +76,9 @@ def study(
     build, parameters = _asked(subject, set)
     _require_drawn(parameters, "--png", png, (1, 2))
     _require_drawn(parameters, "--map", map, (2,))
+    for friction in parameters.get("friction", ()):
+        for doubt in friction_doubts(friction):
+            waiting.warn(f"{doubt.text} Write --set friction={doubt.how['friction']}")
     waiting.stage("solve", "studying")
     waiting.checkpoint = out
     with waiting.keywords(time_limit, workers) as common:

@@ -54,6 +54,13 @@ class Doubt(OneLine):
         return " ".join(f"--{name} {value}" for name, value in self.how.items())
 
 
+def friction_doubts(friction: Any) -> Iterator[Doubt]:
+    """That a coefficient is more than any stone has."""
+    if isinstance(friction, float | int) and friction > _FRICTION:
+        degrees = {"friction": f"{friction:g}deg"}
+        yield Doubt(f"friction {friction:g} is more than stone has: are degrees meant?", degrees)
+
+
 def doubts(model: Model, path: Paths, how: Mapping[str, Any]) -> Iterator[Doubt]:
     """What may not be meant, before anything is solved.
 
@@ -65,11 +72,7 @@ def doubts(model: Model, path: Paths, how: Mapping[str, Any]) -> Iterator[Doubt]
     path, how
         What it was read from, and the arguments; see :func:`drystone.read`.
     """
-    friction = how.get("friction")
-    if isinstance(friction, float | int) and friction > _FRICTION:
-        degrees = f"{friction:g}deg"
-        yield Doubt(f"friction {friction:g} is more than stone has: are degrees meant?",
-                    {"friction": degrees})  # fmt: skip
+    yield from friction_doubts(how.get("friction"))
     units = unit_doubts(model.notes)
     yield from units
     yield from _apart(model)

@@ -326,7 +326,11 @@ def test_the_command_studies_a_family_and_writes_table_and_chart(
     assert "--png: 'kind' has no numbers to draw along" in capsys.readouterr().err
     assert not (tmp_path / "one.jsonl").exists()  # refused before the work
     assert main(["study", "tower", "--set", "count=2:3:2", "--set", "friction=0.5"]) == 0
-    assert "2 rows, 0 refused, friction 0.5  tower\n" in capsys.readouterr().out
+    told = capsys.readouterr()
+    assert "2 rows, 0 refused, friction 0.5  tower\n" in told.out
+    assert "degrees" not in told.err
+    assert main(["study", "tower", "--set", "count=2", "--set", "friction=35"]) == 0
+    assert "are degrees meant? Write --set friction=35deg" in capsys.readouterr().err
     assert main(["study", "tower"]) == 2
     assert "--set: is missing" in capsys.readouterr().err
 
