@@ -5,6 +5,7 @@ import pytest
 
 from drystone import Assembly, InputError, LoadCase, Model, check
 from drystone.loads import placing
+from drystone.loads.applied import applied_loads
 from drystone.models import prism, stool, tower
 
 TOWER = tower(2)  # block-1 fills the unit square from z = 1 to 2
@@ -48,7 +49,10 @@ def test_a_point_off_the_block_goes_through_sums_and_factors() -> None:
     load = LoadCase.point_load(TOWER, "block-1", (0.0, 0.0, -5.0), at=(-0.5, 0.5, 3.0))
     half = LoadCase.point_load(TOWER, "block-1", (0.0, 0.0, -5.0), at=(-0.5, 0.5, 4.0))
     model = Model.of(TOWER, load=LoadCase.gravity(TOWER) + 3.0 * load + half)
-    assert check(model).loads()["point"].tolist() == [pytest.approx([-0.5, 0.5, 3.25])]
+    assert applied_loads(TOWER, model.load).point.tolist() == [pytest.approx([-0.5, 0.5, 3.25])]
+    each = check(model).loads()  # as they were asked for
+    assert each["point"][:, 2].tolist() == [3.0, 4.0]
+    assert each["force"][:, 2].tolist() == [-15.0, -5.0]
 
 
 @pytest.mark.parametrize("make", [LoadCase.point_load, LoadCase.moment])

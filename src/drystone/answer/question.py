@@ -19,7 +19,7 @@ from drystone.base.version import commit, version
 from drystone.contacts import Contacts
 from drystone.joint_capacity import DRY
 from drystone.loads import LoadCase
-from drystone.loads.applied import Shaken, applied_loads, common_acceleration
+from drystone.loads.applied import Shaken, common_acceleration, loads_apart
 from drystone.loads.case import STANDARD_GRAVITY
 from drystone.model import Model
 from drystone.supports import UP as VERTICAL
@@ -60,7 +60,7 @@ class Question(OneLine):
         Its force [N] on blocks and the masses that they carry, the point at which it acts [m], and
         the weights [N] that it shakes, by kind.
     loads
-        Of each block with other loads: the force [N], the point at which it acts [m], the moment
+        Each other load, its block, the force [N], the point at which it acts [m], the moment
         [N m] about this point, and the motion [m, rad] of a support. See
         :class:`drystone.loads.applied.AppliedLoads`.
     joint_capacity
@@ -282,28 +282,27 @@ def directions(assembly: Assembly, load: LoadCase) -> tuple[Floats, Floats]:
 def _loads(
     assembly: Assembly, load: LoadCase
 ) -> tuple[tuple[float, ...], tuple[Mapping[str, Any], ...], Mapping[str, Any]]:
-    """The acceleration that most masses have, the other loads of each block, and an earthquake."""
-    applied = applied_loads(assembly, load)
-    told: dict[int, dict[str, Any]] = {
-        i: {"at": at, "force": force, "moment": moment}
-        for i, at, force, moment in zip(
-            applied.block.tolist(),
-            applied.point.tolist(),
-            applied.force.tolist(),
-            applied.moment.tolist(),
-            strict=True,
-        )
-    }
+    """The acceleration that most masses have, the other loads on blocks, and an earthquake."""
+    applied = loads_apart(assembly, load)
+    names = [assembly.names[i] for i in applied.block]
+    each = (
+        applied.words,
+        names,
+        *(x.tolist() for x in (applied.point, applied.force, applied.moment)),
+    )
+    keys = "load", "block", "at", "force", "moment"
+    rows: list[dict[str, Any]] = [
+        dict(zip(keys, one, strict=True)) for one in zip(*each, strict=True)
+    ]
     if load.motion is not None:
         for i in np.flatnonzero(load.motion.any(axis=1)).tolist():
-            told.setdefault(i, {"at": assembly.centroid[i].tolist()})
-            told[i]["motion"] = load.motion[i].tolist()
-    rows = tuple({"block": assembly.names[i], **told[i]} for i in sorted(told))
+            at, motion = assembly.centroid[i].tolist(), load.motion[i].tolist()
+            rows.append({"block": assembly.names[i], "at": at, "motion": motion})
     known, shaken = Shaken.of(assembly, load), {}
     if known is not None:
         shaken = {"at": applied.centre.tolist(), "force": applied.earthquake.tolist(),
                   "weights": dict(known.weights), "told": known.words}  # fmt: skip
-    return tuple(applied.acceleration.tolist()), rows, shaken
+    return tuple(applied.acceleration.tolist()), tuple(rows), shaken
 
 
 def _ends(values: Floats | None) -> tuple[float, float] | None:

@@ -237,7 +237,8 @@ def _carried_load(model: Model, assembly: Assembly, kept: Ints) -> LoadCase:
     if surface is not None:
         turned = filled(cross(shift, surface.wrench[: len(kept), :3]), len(assembly))
         surface = replace(surface, wrench=surface.wrench + np.pad(turned, ((0, 0), (3, 0))))
-    return replace(load, wrench=wrench, masses=masses, given=given, surface=surface)
+    each = tuple(one.of_blocks(kept, len(before), shift) for one in model.load.each)
+    return replace(load, wrench=wrench, masses=masses, given=given, surface=surface, each=each)
 
 
 def acceleration_of(model: Model) -> Floats:

@@ -210,6 +210,7 @@ class DesignMargin(Options):
             masses=tuple(replace(one, shake=self.load * one.shake) for one in load.masses),
             shake=shake,
             given=None if load.given is None else self.load * load.given,
+            each=tuple(one.by(self.load) for one in load.each),
         )
 
     def case_of(self, result: Result, model: Model) -> str:

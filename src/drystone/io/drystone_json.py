@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -21,7 +22,8 @@ from drystone.io.jsontext import Field
 from drystone.io.load_options import load_of_parts
 from drystone.joint_capacity import DRY, JointCapacity
 from drystone.loads import LoadCase
-from drystone.loads.placing import CarriedMass, SurfaceLoad
+from drystone.loads.applied import common_acceleration, other_loads
+from drystone.loads.placing import CarriedMass, GivenLoad, SurfaceLoad
 from drystone.model import Model
 from drystone.results import Residuals, Result, Samples, Sensitivity, Verdict
 
@@ -199,10 +201,12 @@ def _load(field: Field, assembly: Assembly) -> LoadCase:
     masses = tuple(_masses(one, n) for one in field.get("masses", []).elements())
     given = field["given"].floats(n, 4, 3) if field.has("given") else None
     wrench = field["wrench"].floats(n, 6)
-    return LoadCase(
+    read = LoadCase(
         wrench, name, motion=motion, acceleration=acceleration, surface=surface, masses=masses,
         shake=shake, given=given,
     )  # fmt: skip
+    others, _ = other_loads(assembly, read.beside_masses, common_acceleration(assembly, read))
+    return replace(read, each=GivenLoad.of(name, others, given))
 
 
 def _masses(field: Field, n: int) -> CarriedMass:

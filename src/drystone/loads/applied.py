@@ -7,8 +7,9 @@ at its place.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import chain
 
 import numpy as np
 
@@ -31,6 +32,8 @@ class AppliedLoads(OneLine):
     ----------
     acceleration : (3,) [m/s2]
         That most of the masses have.
+    words : (a,)
+        What each of the other loads is; empty where a row has all of its block.
     block : (a,)
         Blocks with other loads.
     point : (a, 3) [m]
@@ -45,6 +48,7 @@ class AppliedLoads(OneLine):
     """
 
     acceleration: Floats
+    words: tuple[str, ...]
     block: Ints
     point: Floats
     force: Floats
@@ -57,9 +61,10 @@ class AppliedLoads(OneLine):
         return f"[{along}] m/s2, {counted(len(self.block), 'loaded block')}"
 
     def table(self, names: tuple[str, ...]) -> Table:
-        """A row of an earthquake, and one per loaded block; ``names`` are those of all blocks."""
+        """A row of an earthquake, and one per load; ``names`` are those of all blocks."""
         shaken = int(self.earthquake.any())
         columns = {
+            "load": [*["earthquake"] * shaken, *self.words],
             "block": [*["earthquake"] * shaken, *(names[i] for i in self.block)],
             "point": np.vstack([*[self.centre] * shaken, self.point]),
             "force": np.vstack([*[self.earthquake] * shaken, self.force]),
@@ -69,7 +74,7 @@ class AppliedLoads(OneLine):
 
 
 def applied_loads(assembly: Assembly, load: LoadCase, common: Floats | None = None) -> AppliedLoads:
-    """The loads of a load case on free blocks.
+    """The loads of a load case on free blocks, a row for each block: the sum of those on it.
 
     Parameters
     ----------
@@ -91,14 +96,7 @@ def applied_loads(assembly: Assembly, load: LoadCase, common: Floats | None = No
     ([[0.2, 0.0, 2.0]], [[0.0, 0.0, 0.0]])
     """
     common = common_acceleration(assembly, load) if common is None else common
-    rest = load.wrench.copy()
-    rest[:, :3] -= assembly.mass[:, None] * common
-    for one in load.masses:
-        rest -= one.pushed(one.shake)
-    rest[assembly.fixed] = 0.0
-    least = ROUNDING * float(np.abs(load.wrench[:, :3]).max(initial=0.0))
-    rest[:, :3][np.abs(rest[:, :3]).max(axis=1) <= least] = 0.0
-    rest[:, 3:][np.abs(rest[:, 3:]).max(axis=1) <= least * assembly.size] = 0.0
+    rest, least = other_loads(assembly, load, common)
     block = np.flatnonzero(rest.any(axis=1))
     force, moment = rest[block, :3], rest[block, 3:]
     square = np.maximum(dot(force, force), 1e-300)[:, None]
@@ -114,7 +112,59 @@ def applied_loads(assembly: Assembly, load: LoadCase, common: Floats | None = No
         at = assembly.centroid[block] + arm + (reach[block, None] / square) * force
         here = lengths(force) * lengths(load.given[block].reshape(-1, 12)) > 0.0
         point[here] = at[here]
-    return AppliedLoads(common, block, point, force, left, *_earthquake(assembly, load))
+    told = ("",) * len(block)
+    return AppliedLoads(common, told, block, point, force, left, *_earthquake(assembly, load))
+
+
+def loads_apart(assembly: Assembly, load: LoadCase, common: Floats | None = None) -> AppliedLoads:
+    """The same, a row for each load as it was asked for, on each of its blocks.
+
+    Forces at points act there. What is not known by its parts, as of wrenches, is one row a block.
+
+    Examples
+    --------
+    >>> from drystone.models import tower
+    >>> assembly = tower(2)
+    >>> roof, wind = (LoadCase.point_load(assembly, 1, force, (0.2, 0.0, 2.0))
+    ...               for force in ((0.0, 0.0, -1000.0), (300.0, 0.0, 0.0)))
+    >>> found = loads_apart(assembly, LoadCase.gravity(assembly) + roof + wind)
+    >>> found.words[1], found.force.tolist()
+    ("300, 0, 0 N on 'block-1' at 0.2, 0, 2 m", [[0.0, 0.0, -1000.0], [300.0, 0.0, 0.0]])
+    """
+    common = common_acceleration(assembly, load) if common is None else common
+    count, still = len(assembly), np.zeros(3)
+    known = [one.on(count)["wrench"] for one in load.each]
+    left, _ = other_loads(assembly, load.beside_masses, common, known)
+    found = [
+        (one.words, applied_loads(assembly, LoadCase(**one.on(count)), still))
+        for one in (*load.each, *(x.as_given(assembly.free) for x in load.masses))
+    ]
+    rest = LoadCase(left, given=None if known else load.given)
+    found.append(("other loads" if found else load.name, applied_loads(assembly, rest, still)))
+    block, point, force, moment = (
+        np.concatenate([getattr(one, name) for _, one in found])
+        for name in ("block", "point", "force", "moment")
+    )
+    words = tuple(chain.from_iterable((told,) * len(one.block) for told, one in found))
+    return AppliedLoads(common, words, block, point, force, moment, *_earthquake(assembly, load))
+
+
+def other_loads(
+    assembly: Assembly, load: LoadCase, common: Floats, known: Sequence[Floats] = ()
+) -> tuple[Floats, float]:
+    """Wrenches (n, 6) on free blocks beside some known (n, 6), and rounding of their forces [N].
+
+    And beside ``common`` (3,) [m/s2], an acceleration of all masses, and what is shaken.
+    """
+    rest = load.wrench - sum(known)
+    rest[:, :3] -= assembly.mass[:, None] * common
+    for one in load.masses:
+        rest -= one.pushed(one.shake)
+    rest[assembly.fixed] = 0.0
+    least = ROUNDING * max(float(np.abs(x[:, :3]).max(initial=0.0)) for x in (load.wrench, *known))
+    rest[:, :3][np.abs(rest[:, :3]).max(axis=1) <= least] = 0.0
+    rest[:, 3:][np.abs(rest[:, 3:]).max(axis=1) <= least * assembly.size] = 0.0
+    return rest, least
 
 
 def arms_of_loads(assembly: Assembly, load: LoadCase) -> Floats:
@@ -299,4 +349,4 @@ def with_shaken_weights(
     left = np.ones((len(assembly), 1, 3))
     left[applied.block[down], :, 2] = 0.0
     given = None if load.given is None else load.given * left
-    return replace(load, wrench=wrench, masses=(*load.masses, made), given=given)
+    return replace(load, wrench=wrench, masses=(*load.masses, made), given=given, each=())

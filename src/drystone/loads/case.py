@@ -16,10 +16,12 @@ from drystone.base.errors import InputError, counted
 from drystone.geometry.frames import rotation_about, unit
 from drystone.loads.placing import (
     CarriedMass,
+    GivenLoad,
     SurfaceLoad,
     at_points,
     filled,
     free_block,
+    multiplied,
     off_block,
     surface_forces,
     turned_points,
@@ -62,6 +64,8 @@ class LoadCase(OneLine):
     given : (n, 4, 3) [N, N m], optional
         Of the forces among the wrenches at points off their blocks: per block their sum, and the
         sums of their arms from its centroid along x, y and z times them.
+    each
+        The loads among the wrenches as they were asked for, beside accelerations and masses.
 
     Examples
     --------
@@ -83,6 +87,7 @@ class LoadCase(OneLine):
     masses: tuple[CarriedMass, ...] = ()
     shake: Floats = field(default_factory=lambda: np.zeros(3))
     given: Floats | None = None
+    each: tuple[GivenLoad, ...] = ()
 
     def __post_init__(self) -> None:
         for name in ("acceleration", "shake"):
@@ -228,12 +233,11 @@ class LoadCase(OneLine):
         point = assembly.centroid[i] if at is None else frozen_floats(at, (3,), "at")
         place = "" if at is None else f" at {_listed(point)} m"
         notes = () if at is None else off_block(assembly.blocks[i], point[None])
-        return cls(
-            wrench_at(assembly, i, vector[None], point[None]),
-            f"{_listed(vector)} N on '{assembly.names[i]}'{place}",
-            notes,
-            given=at_points(assembly, i, vector, point) if notes else None,
-        )
+        name = f"{_listed(vector)} N on '{assembly.names[i]}'{place}"
+        wrench = wrench_at(assembly, i, vector[None], point[None])
+        given = None if at is None else at_points(assembly, i, vector, point)
+        each = GivenLoad.of(name, wrench, given)
+        return cls(wrench, name, notes, given=given if notes else None, each=each)
 
     @classmethod
     def line_load(
@@ -250,8 +254,9 @@ class LoadCase(OneLine):
         wrench = wrench_at(assembly, i, total[None], middle[None])
         name = f"{_listed(total)} N along a line of '{assembly.names[i]}'"
         notes = off_block(assembly.blocks[i], ends)
-        given = at_points(assembly, i, total, middle) if notes else None
-        return cls(wrench, name, notes, given=given)
+        given = at_points(assembly, i, total, middle)
+        each = GivenLoad.of(name, wrench, given)
+        return cls(wrench, name, notes, given=given if notes else None, each=each)
 
     @classmethod
     def surface_load(
@@ -285,7 +290,8 @@ class LoadCase(OneLine):
         force, triangle = surface_forces(assembly.blocks[i], traction, faces, facing)
         name = f"surface load on '{assembly.names[i]}'"
         wrench = wrench_at(assembly, i, force, triangle.mean(axis=1))
-        return cls(wrench, name, surface=SurfaceLoad.of_triangles(i, force, triangle, wrench))
+        surface = SurfaceLoad.of_triangles(i, force, triangle, wrench)
+        return cls(wrench, name, surface=surface, each=GivenLoad.of(name, wrench))
 
     @classmethod
     def moment(cls, assembly: Assembly, block: int | str, moment: Any) -> LoadCase:
@@ -293,7 +299,8 @@ class LoadCase(OneLine):
         i = free_block(assembly, block)
         wrench = np.zeros((len(assembly), 6))
         wrench[i, 3:] = frozen_floats(moment, (3,), "moment")
-        return cls(wrench, f"moment {_listed(wrench[i, 3:])} N m on '{assembly.names[i]}'")
+        name = f"moment {_listed(wrench[i, 3:])} N m on '{assembly.names[i]}'"
+        return cls(wrench, name, each=GivenLoad.of(name, wrench))
 
     @classmethod
     def extra_mass(
@@ -362,6 +369,7 @@ class LoadCase(OneLine):
             masses=masses,
             shake=self.shake @ rotation,
             given=None if self.given is None else turned_points(self.given, rotation) @ rotation,
+            each=tuple(one.turned(rotation) for one in self.each),
         )
 
     def refuse_turned_fill(self) -> None:
@@ -426,9 +434,11 @@ class LoadCase(OneLine):
         )
         surface = None if self.surface is None else self.surface.of_blocks(chosen, every)
         masses = tuple(one.of_blocks(chosen, every) for one in self.masses)
+        each = tuple(one.of_blocks(chosen, len(self.wrench)) for one in self.each)
         return replace(
-            self, wrench=wrench, motion=motion, surface=surface, masses=masses, given=given
-        )
+            self, wrench=wrench, motion=motion, surface=surface, masses=masses, given=given,
+            each=each,
+        )  # fmt: skip
 
     def beside(self, other: LoadCase) -> LoadCase:
         """By what the sum with another case is more than the other.
@@ -491,6 +501,7 @@ class LoadCase(OneLine):
             tuple(chain.from_iterable(x.fills for x in cases)),
             shake=_added(shake),
             given=_added(given),
+            each=tuple(chain.from_iterable(x.each for x in cases)),
         )
         return total._with_masses_of(cases)
 
@@ -505,8 +516,6 @@ class LoadCase(OneLine):
         if isinstance(factor, str) or np.ndim(factor) or not isinstance(factor, SupportsFloat):
             return NotImplemented
         by = float(factor)
-        name = f"({self.name})" if " + " in self.name else self.name
-        name = "* " * name.startswith(tuple("-0123456789")) + name  # a factor of a vector
         with np.errstate(over="ignore", invalid="ignore"):  # what overflows is refused below
             moved = None if self.motion is None else self.motion * by
             surface = None if self.surface is None else self.surface.by(by)
@@ -514,9 +523,10 @@ class LoadCase(OneLine):
             masses = tuple(one.by(by) for one in self.masses)
             shake = self.shake * by
             given = None if self.given is None else self.given * by
+            each = tuple(one.by(by) for one in self.each)
         fills = tuple(replace(one, weight=by * one.weight) for one in self.fills if by > 0.0)
-        return LoadCase(wrench, f"{by:g} {name}", self.notes, moved, known, surface,
-                        fills, masses, shake, given)  # fmt: skip
+        return LoadCase(wrench, multiplied(by, self.name), self.notes, moved, known, surface,
+                        fills, masses, shake, given, each)  # fmt: skip
 
     __rmul__ = __mul__
     __array_ufunc__ = None  # a numpy number times a load case is a load case

@@ -27,6 +27,7 @@ from drystone.loads.ground_words import (
     read_words,
     weight,
 )
+from drystone.loads.placing import GivenLoad
 from drystone.loads.seen_strips import SeenStrips, Spots
 from drystone.supports import select
 
@@ -184,4 +185,5 @@ class Earth(Options):
         notes: tuple[str, ...] = (f"{note}10 degrees, square to them",) if ends else ()
         if self.water is not None and self.water > lowest:
             notes += (_UPLIFT,)
-        return LoadCase(strips.wrenches(assembly, traction), name, notes, surface=surface)
+        wrench = strips.wrenches(assembly, traction)
+        return LoadCase(wrench, name, notes, surface=surface, each=GivenLoad.of(name, wrench))

@@ -26,7 +26,7 @@ from drystone.loads.ground_words import (
     spread,
     weight,
 )
-from drystone.loads.placing import CarriedMass, SurfaceLoad
+from drystone.loads.placing import CarriedMass, GivenLoad, SurfaceLoad
 from drystone.loads.roadway import Roadway
 from drystone.loads.seen_strips import SeenStrips, Spots, Traction
 
@@ -220,13 +220,15 @@ class Tops:
         """The weight of the fill, and its pressure by ``k``, on the free blocks."""
         fill, assembly = self.fill, self.road.assembly
         fields = (strips.surface(assembly, law) for strips, law in self.pressures(1.0, fill.k))
+        wrench = self.pressed(1.0, fill.k)
         return LoadCase(
-            self.pressed(1.0, fill.k),
+            wrench,
             fill.words,
             (*fill.notes, *self.notes),
             surface=SurfaceLoad.of_all([one for one in fields if len(one.block)]),
             fills=(fill,),
             masses=(self.mass,),
+            each=GivenLoad.of("pressure of fill", wrench - self.mass.wrench),
         )
 
     @property

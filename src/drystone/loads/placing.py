@@ -17,6 +17,7 @@ from drystone.assembly import Assembly, Block
 from drystone.base.arrays import SAME, Floats, Ints, frozen, frozen_floats, lengths, places, whole
 from drystone.base.display import OneLine, shortened
 from drystone.base.errors import InputError
+from drystone.base.units import mass
 from drystone.geometry.frames import unit
 from drystone.geometry.polyhedron import Faces, fan_triangles, stack_faces
 from drystone.geometry.solid import outside_distance
@@ -118,6 +119,70 @@ def _surface(block: Block) -> tuple[Faces, Floats]:
     faces = stack_faces([block.vertices], [block.faces])
     corner = faces.point[faces.loop]
     return faces, frozen(corner[triangulate(corner, faces.start)[0]])
+
+
+@dataclass(frozen=True, eq=False)
+class GivenLoad(OneLine):
+    """One load as it was asked for, beside those of masses; for tables and sums by hand.
+
+    Attributes
+    ----------
+    words
+        What it is.
+    block : (a,)
+        On which it acts.
+    wrench : (a, 6) [N, N m]
+        About the centroid of each.
+    given : (a, 4, 3) [N, N m]
+        Of a force at a point; see :func:`at_points`. Zero of others.
+    """
+
+    words: str
+    block: Ints
+    wrench: Floats
+    given: Floats
+
+    @classmethod
+    def of(cls, words: str, wrench: Floats, given: Floats | None = None) -> tuple[GivenLoad, ...]:
+        """That of wrenches (n, 6), if it acts, and of a force at a point (n, 4, 3)."""
+        block = np.flatnonzero(wrench.any(axis=1))
+        at = np.zeros((len(wrench), 4, 3)) if given is None else given
+        return (cls(words, block, wrench[block], at[block]),) if len(block) else ()
+
+    def on(self, count: int) -> dict[str, Any]:
+        """Its wrenches (n, 6), and it at points (n, 4, 3), of so many blocks, for a load case."""
+        wrench, given = np.zeros((count, 6)), np.zeros((count, 4, 3))
+        wrench[self.block], given[self.block] = self.wrench, self.given
+        return {"wrench": wrench, "given": given}
+
+    def by(self, factor: float) -> GivenLoad:
+        """The same times a factor."""
+        words = self.words if factor == 1.0 else multiplied(factor, self.words)
+        return GivenLoad(words, self.block, factor * self.wrench, factor * self.given)
+
+    def turned(self, rotation: Floats) -> GivenLoad:
+        """The same in the axes of a model that was turned by a matrix (3, 3)."""
+        wrench = (self.wrench.reshape(-1, 2, 3) @ rotation).reshape(-1, 6)
+        given = turned_points(self.given, rotation) @ rotation
+        return replace(self, wrench=wrench, given=given)
+
+    def of_blocks(self, chosen: Ints, count: int, shift: Floats | None = None) -> GivenLoad:
+        """That of some blocks of ``count``; their centroids were a ``shift`` (c, 3) [m] away."""
+        position = places(chosen, count)[self.block]
+        kept = position >= 0
+        block, wrench, given = position[kept], self.wrench[kept], self.given[kept]
+        if shift is not None:
+            moment = wrench[:, 3:] + np.cross(shift[block], wrench[:, :3])
+            wrench = np.column_stack([wrench[:, :3], moment])
+            arms = given[:, 1:] + shift[block][:, :, None] * given[:, :1]
+            given = np.concatenate([given[:, :1], arms], axis=1)
+        return GivenLoad(self.words, block, wrench, given)
+
+
+def multiplied(by: float, words: str) -> str:
+    """A factor before the words of a load."""
+    words = f"({words})" if " + " in words else words
+    return f"{by:g} {'* ' * words.startswith(tuple('-0123456789'))}{words}"  # of a vector
 
 
 @dataclass(frozen=True, eq=False)
@@ -323,6 +388,14 @@ class CarriedMass(OneLine):
         """Wrenches (n, 6) of an acceleration (3,) [m/s2] of them."""
         turned = np.cross(self.moment, acceleration)
         return np.column_stack([self.mass[:, None] * acceleration, turned])
+
+    def as_given(self, chosen: Ints) -> GivenLoad:
+        """Their weight on some blocks, at its places."""
+        kind = {"load": "shaken load"}.get(self.kind, self.kind)
+        arms = np.concatenate([self.mass[:, None], self.moment], axis=1)[chosen]
+        wrench, given = self.pushed(self.gravity)[chosen], arms[:, :, None] * self.gravity
+        words = f"{kind} of {mass(float(self.mass[chosen].sum()))}"
+        return GivenLoad(words, chosen, wrench, given)
 
     def place(self, assembly: Assembly) -> Floats:
         """Their middle (n, 3) [m] on each block; its centroid where there are none."""

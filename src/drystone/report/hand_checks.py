@@ -20,7 +20,7 @@ from drystone.geometry.frames import area_vector, unit
 from drystone.geometry.kern import level_hull
 from drystone.joint_capacity import JointCapacity
 from drystone.joints import plane_pressure
-from drystone.loads.applied import applied_loads, common_acceleration
+from drystone.loads.applied import common_acceleration, loads_apart
 from drystone.model import Model
 from drystone.results import Result
 from drystone.stability.problem import FALLING_SHARE, MECHANISM_TOLERANCE, moving_blocks
@@ -85,10 +85,11 @@ def balance(result: Result) -> Table:
 
 
 def as_one_block(result: Result) -> Table | None:
-    """Sliding and overturning of all free blocks as one, about an edge of their level foot.
+    """Sliding and overturning of all free blocks as one, about edges of their level foot.
 
-    Of the edges around the foot it is the one that the resultant is nearest to, by the width of the
-    foot square to it. Loads act where :class:`AppliedLoads` and the tables of a report have them.
+    It overturns about the edge with the least ratio of moments, of those over which horizontal
+    loads turn it. Another edge may be nearest to the resultant, by the width of the foot square to
+    it. Each load acts where the tables of a report have it.
     ``None`` where the foot is not level, an edge or in parts that do not meet, or nothing pushes
     sideways.
     """
@@ -102,28 +103,41 @@ def as_one_block(result: Result) -> Table | None:
     flat = contacts.area[foot].any() and np.ptp(at[:, 2]) < 1e-6 * np.ptp(assembly.bounds)
     if not (flat and level.all()) or down <= 0.0 or push < 1e-6 * down or not _meet(contacts, foot):
         return None
-    hull, edges = level_hull(at), []
-    for toe, end in zip(hull, np.roll(hull, -1, axis=0), strict=True):
-        out = unit(np.cross(end - toe, [0.0, 0.0, 1.0]))
-        points, vertical, others = _parts_of_load(result, free, toe, np.cross(out, [0.0, 0.0, 1.0]))
-        up, over = float(-vertical @ ((points - toe) @ out)), sum(others.values())
-        wide = float(np.ptp(hull @ out))
-        edges.append(((up - over) / wide, up, over, wide))
-    _, holds, turns, width = min(edges)
+    edges = _moments_about(result, level_hull(at))
+    nearest = min(edges)
+    turned = [one for one in edges if one[2] > ROUNDING * down * one[3]]
+    edge = min(turned, default=nearest, key=lambda one: one[1] / one[2])
+    _, holds, turns, _ = edge
+    near = "from that edge to the resultant, (Mv - Mh) / V"
+    if edge[0] > nearest[0] + ROUNDING:
+        near = "from the edge that is nearest to the resultant, to it"
     friction = float(contacts.friction[foot].min())
     told = [
         ("vertical load, V", quantity(down, "N")),
         ("horizontal load, H", quantity(push, "N")),
         ("least friction of the foot, f", f"{friction:.4g}"),
         ("sliding, f V / H", f"{friction * down / push:.4g}"),
-        ("moment of vertical loads about the nearest edge, Mv", quantity(holds, "N m")),
+        ("moment of vertical loads about the edge it turns over, Mv", quantity(holds, "N m")),
         ("moment of horizontal loads and couples, Mh", quantity(turns, "N m")),
-        ("overturning, Mv / Mh", f"{holds / turns:.4g}" if turns > ROUNDING * holds else "-"),
-        ("from that edge to the resultant, (Mv - Mh) / V", quantity((holds - turns) / down, "m")),
-        ("a third of the foot: the kern ends there", quantity(width / 3.0, "m")),
+        ("overturning, Mv / Mh", f"{holds / turns:.4g}" if turned else "-"),
+        (near, quantity((nearest[1] - nearest[2]) / down, "m")),
+        ("a third of the foot: the kern ends there", quantity(nearest[3] / 3.0, "m")),
     ]
     columns = {"quantity": [one for one, _ in told], "value": [one for _, one in told]}
     return Table("all free blocks as one on their foot", columns)
+
+
+def _moments_about(result: Result, hull: Floats) -> list[tuple[float, float, float, float]]:
+    """For edges of a level hull (h, 3): what of the width is left, Mv, Mh, and the width."""
+    edges, up = [], np.array([0.0, 0.0, 1.0])
+    for toe, end in zip(hull, np.roll(hull, -1, axis=0), strict=True):
+        out = unit(np.cross(end - toe, up))
+        turn = np.cross(out, up)
+        points, vertical, others = _parts_of_load(result, ~result.assembly.fixed, toe, turn)
+        holds, over = float(-vertical @ ((points - toe) @ out)), sum(others.values())
+        wide = float(np.ptp(hull @ out))
+        edges.append(((holds - over) / wide, holds, over, wide))
+    return edges
 
 
 def _meet(contacts: Contacts, foot: Bools) -> bool:
@@ -392,7 +406,7 @@ def _parts_of_load(
     Moments are about a point (3,) against the axis ``turn`` (3,).
     """
     assembly, load = result.assembly, result.load
-    other = applied_loads(assembly, load.beside_masses)
+    other = loads_apart(assembly, load.beside_masses)
     mine = half[other.block]
     masses = [(assembly.mass, assembly.centroid, other.acceleration)]
     masses += [(one.mass, one.place(assembly), one.gravity + one.shake) for one in load.masses]

@@ -16,7 +16,7 @@ from drystone.geometry.quadrature import ACCURATE
 from drystone.joints import HINGED, worst_joints
 from drystone.limits import Limit
 from drystone.limits.train_limit import TrainEnvelope
-from drystone.loads.applied import Shaken, applied_loads
+from drystone.loads.applied import Shaken, loads_apart
 from drystone.model import Model
 from drystone.report import sketches
 from drystone.report.document import (
@@ -50,7 +50,8 @@ _PLANS = 8
 _METHOD = (
     "z points up. The normal force of a joint is positive in compression. Forces in joints act on "
     "block b; block a gets the opposite. Reactions act on the structure, loads on the block "
-    "that is named, where their line enters it. Moments turn by the right-hand rule.",
+    "that is named, at their point or where their line enters it. Moments turn by the right-hand "
+    "rule.",
     "Blocks are rigid and do not crack. Joints press, and carry friction by Coulomb's law with the "
     "coefficients under Materials; they pull and crush only where a capacity stands there. Ties "
     "pull, and go on pulling where they yield. Loads act once and slowly: there is no inertia, no "
@@ -274,9 +275,10 @@ def _loads(model: Model, first: Answer) -> Iterator[Part]:
 
 def _applied(model: Model) -> Iterator[Part]:
     """The load of a model: the acceleration, what an earthquake shakes, and what else acts."""
-    applied = applied_loads(model.assembly, model.load)
+    applied = loads_apart(model.assembly, model.load)
     along = ", ".join(f"{x:.4g}" for x in applied.acceleration + 0.0)
-    yield f"Load: {model.load.name}. Acceleration of all masses: {along} m/s2."
+    more = ", all in the table" if model.load.name.endswith(" more") else ""
+    yield f"Load: {model.load.name}{more}. Acceleration of all masses: {along} m/s2."
     known = Shaken.of(model.assembly, model.load)
     if known is not None:
         yield f"{known.words[:1].upper()}{known.words[1:]}."

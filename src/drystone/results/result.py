@@ -30,7 +30,7 @@ from drystone.joints import (
     on_an_edge,
     thrust_line,
 )
-from drystone.loads.applied import applied_loads, is_vertical
+from drystone.loads.applied import is_vertical, loads_apart
 from drystone.results.solution import Sensitivity, Solution, reaction_table
 from drystone.results.stage import stage_of
 from drystone.supports import own_blocks
@@ -312,18 +312,20 @@ class Result(Solution, Answer):
         return self.verdict is Verdict.UNSTABLE
 
     def loads(self) -> Table:
-        """What is applied beside a common acceleration: block, point, force and moment.
+        """What is applied beside a common acceleration: load, block, point, force and moment.
 
         Columns
         -------
+        load
+            As it was asked for; ``other loads`` are those of which wrenches alone are known.
         block
         point [m]
-            Where the force acts: where its line enters the block, or as given off it.
+            Where the force acts: as given, else where its line enters the block.
         force [N]
         moment [N m]
             About the point.
         """
-        return applied_loads(self.assembly, self.load).table(self.assembly.names)
+        return loads_apart(self.assembly, self.load).table(self.assembly.names)
 
     def reactions(self) -> Table:
         """What each support gives to the free blocks on it; one row per support that touches one.

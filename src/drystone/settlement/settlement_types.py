@@ -55,7 +55,7 @@ def moved_model(model: Model, motion: Floats, axes: Floats, point: Floats) -> Mo
     wrench = turned_load(model.load.wrench, arms, turn)
     if given is not None:
         given = turned_points(given, np.swapaxes(turn, 1, 2))
-    load = replace(model.load, wrench=wrench, given=given)
+    load = replace(model.load, wrench=wrench, given=given, each=())
     return Model(assembly.moved(motion), corners, load, ends=model.ends)
 
 

@@ -22,6 +22,7 @@ from drystone.loads import LoadCase
 from drystone.loads.applied import with_shaken_weights
 from drystone.loads.case import STANDARD_GRAVITY
 from drystone.loads.load_words import chosen_case
+from drystone.loads.placing import GivenLoad
 from drystone.model import Model
 
 _KINDS = ("permanent", "variable", "accidental", "seismic")
@@ -574,7 +575,8 @@ def _weight(one: Field, model: Model) -> LoadCase:
     wrench[kept] = whole.wrench[kept]
     given = np.zeros((len(wrench), 4, 3))  # it acts at centroids, where a roof acts on top
     given[:, 0] = wrench[:, :3]
-    return LoadCase(wrench, f"gravity of {one['blocks'].text()}", given=given)
+    name = f"gravity of {one['blocks'].text()}"
+    return LoadCase(wrench, name, given=given, each=GivenLoad.of(name, wrench, given))
 
 
 def _combined(by: Situation, actions: tuple[Action, ...]) -> Iterator[Combination]:

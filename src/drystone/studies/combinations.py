@@ -22,7 +22,7 @@ from drystone.base.workers import WorkerPool
 from drystone.io.opening import Given, LongHow, supported_model
 from drystone.limits import LimitOptions, limit_friction, limit_load, limit_shrink
 from drystone.loads import LoadCase
-from drystone.loads.applied import Shaken, applied_loads
+from drystone.loads.applied import Shaken, loads_apart
 from drystone.model import Model
 from drystone.results import Result
 from drystone.solvers.threads import one_blas_thread
@@ -310,7 +310,7 @@ def _cases(actions: Sequence[Action], assembly: Assembly) -> list[Table]:
     """The cases with their characteristic values, and the forces of each on blocks."""
     rows, parts = [], []
     for one in actions:
-        applied = applied_loads(assembly, one.load, one.load.acceleration)
+        applied = loads_apart(assembly, one.load, one.load.acceleration)
         parts.append(applied.table(assembly.names))
         rows.append((
             one.name, one.kind, one.words, one.load.wrench[assembly.free, :3].sum(axis=0).tolist(),

@@ -104,6 +104,26 @@ def test_a_load_on_the_edge_of_a_wall_holds_it_by_its_own_arm() -> None:
     assert told["overturning, Mv / Mh"] == f"{holds / turns:.4g}"
 
 
+@pytest.mark.parametrize(("place", "nearest"), [(0.55, 415), (1.0, 238), (0.1, 509)])
+def test_loads_on_one_block_keep_their_own_arms_and_rows(place: float, nearest: float) -> None:
+    """1 x 1.1 x 2.4 m, 62.16 kN, 40 kN on it, 18 kN/m3 x 2.4^2 / 6 = 17.28 kN of earth at 0.8 m."""
+    slab, one = box((3.0, 3.0, 0.3), (-1.0, -1.0, -0.3), "slab"), box((1.0, 1.1, 2.4), name="w")
+    wall = Model.of(Assembly((slab, one)).with_fixed([0]), friction=0.6)
+    words = ["earth:side=-y,weight=18kN/m3,k=active:30deg", f"w:0,0,-40000@0.5,{place},2.4"]
+    found = drystone.check(wall, load=[*words, "w:1g", "w:2g", "w:3g"])
+    table = as_one_block(found)
+    assert table is not None
+    holds, turns = 62.156e3 * 0.55 + 40e3 * (1.1 - place), 17.28e3 * 0.8
+    told = [text for name, text in zip(*table.columns.values(), strict=True) if "Mv / Mh" in name]
+    assert told == [f"{holds / turns:.4g}"]
+    assert table["value"][-2] == f"{nearest} mm"
+    masses = [f"mass of 0.00{i} kg" for i in (1, 2, 3)]
+    assert found.loads()["load"].tolist()[1:] == [
+        f"0, 0, -40000 N on 'w' at 0.5, {place:g}, 2.4 m",
+        *masses,
+    ]
+
+
 def test_a_wall_that_is_shaken_askew_turns_about_its_long_edge() -> None:
     """4 x 1 x 3 m, 0.33 of its weight along both: 0.5 / (0.33 x 1.5) about the edge along x."""
     wall = Assembly((box((4.0, 1.0, 0.5), name="foot"), box((4.0, 1.0, 3.0), (0.0, 0.0, 0.5))))
