@@ -173,3 +173,10 @@ def test_bounds_are_rounded_to_their_safe_side_for_people_and_kept_whole_for_pro
         assert one.cells()[1] == shown
         assert one["carries"][0] == 1.44189
     assert Table("limits", columns).cells()[1][0] == ["1.442", "0.5621", "1239"]
+
+
+def test_places_far_from_the_origin_are_told_to_the_millimetre() -> None:
+    table = Table(
+        "blocks", {"centroid": [(0.5, 0.55, 101.2), (1.0005, 2.0, 3.25)]}, {"centroid": "m"}
+    )
+    assert table.cells()[1] == [["0.5, 0.55, 101.2 m"], ["1, 2, 3.25 m"]]
