@@ -159,8 +159,8 @@ def components(
     --------
     >>> components([0.1, -2500.0, 12340.0], "N"), components([0.0, -2e-7, 0.0], "N m", 1e-6)
     ('0, -2.5, 12.3 kN', '0, 0, 0 N m')
-    >>> components([0.5, 0.55, 4250101.2], "m")
-    '0.5, 0.55, 4250101.2 m'
+    >>> components([0.5, 0.55, 101.2], "m"), components([0.5, 250, 4250.1], "m")
+    ('0.5, 0.55, 101.2 m', '0.0005, 0.25, 4.2501 km')
     >>> components([0.0, -0.165], "N m"), components([0.0, -0.165], "N m", column=1.64)
     ('0, -0.165 N m', '0, -0.165 N m')
     >>> components([0.0, 3e-13], "N m", 1e-6, column=3e-13)
@@ -173,8 +173,7 @@ def components(
     size *= 10.0 if unit.startswith("N") and 0.0995 <= size < 1.0 else 1.0
     factor, prefix = next((one for one in _PREFIXES if size >= 0.9995 * one[0]), (1.0, ""))
     digits = 0 if largest == 0.0 else max(2 - math.floor(math.log10(largest / factor)), 0)
-    if unit == "m" and factor >= 1.0:
-        factor, prefix, digits = 1.0, "", 3
+    digits = max(digits, {"m": 3, "km": 6}.get(prefix + unit, 0))
 
     def shown(value: float) -> str:
         text = f"{round(value / factor, digits) + 0.0:.{digits}f}"

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from drystone.assembly import Assembly, Block
+from drystone.assembly import DEFAULT_DENSITY, Assembly, Block
 from drystone.base.arrays import ROUNDING, Floats
 from drystone.base.errors import DefectKind, FormatError, InputError, counted, printable
 from drystone.base.units import UNITS, mass, scale_of
@@ -17,6 +17,8 @@ from drystone.detection.tolerances import repair_lines
 from drystone.geometry import coincidence
 from drystone.io.draft import UP, Contents, Draft, DraftBlock
 from drystone.io.shape_blocks import blocks_of, faces_at_holes
+from drystone.loads.case import STANDARD_GRAVITY
+from drystone.supports import own_blocks
 
 _LIKELY_EXTENT = (0.01, 1000.0)
 _LIKELY_BLOCK = (0.002, 4.0)
@@ -257,3 +259,17 @@ def doubtful_size(
     likely = min(_METRIC, key=lambda unit: abs(np.log(block * UNITS[unit] / now / _USUAL_BLOCK)))
     remedy = f"--units {likely}" if likely != (units or "m") else "--units"
     return [f"{what} {mass(weight)}; {read_in}: is the unit right ({remedy})?"]
+
+
+def doubtful_density(assembly: Assembly) -> tuple[str, ...]:
+    """A remark where a density of the blocks [kg/m3] is improbable, else none."""
+    density = np.array([one.density for one in assembly.blocks])[own_blocks(assembly)]
+    low, high = float(density.min(initial=np.inf)), float(density.max(initial=0.0))
+    least, most = 100.0, 22_600.0  # cork has more, osmium 22,590; lighter foams are told as well
+    if least <= low and high <= most:
+        return ()
+    odd, what = (low, "less than cork has") if low < least else (high, "more than any metal has")
+    units = np.array([1e12, 1e9, 1e6, 1e3, 1e3 / STANDARD_GRAVITY, 1.0 / STANDARD_GRAVITY, 1e-3])
+    likely = odd * units[np.abs(np.log(odd * units / DEFAULT_DENSITY)).argmin()]
+    remedy = f"--density {likely:.4g}" if low == high else "--density"
+    return (f"a density is {odd:g} kg/m3, {what}: is the unit right ({remedy})?",)

@@ -20,6 +20,7 @@ from drystone.contacts import Contacts
 from drystone.detection import DetectionOptions, EdgeContacts, find_contacts, find_overlaps
 from drystone.detection.face_overlaps import overlap_lines, require_apart
 from drystone.detection.resample import FEW
+from drystone.io.build import doubtful_density
 from drystone.io.capacity_words import with_joint_capacity, with_strength
 from drystone.io.draft import Contents
 from drystone.io.load_options import Loads, weighed_anew
@@ -266,7 +267,7 @@ def _model_of(
         )
         model = with_ties(model, contents.ties)
     model = _cracked(_isolated(model, how), how)
-    notes += model.notes
+    notes += model.notes + doubtful_density(model.assembly)
     cases = tuple(weighed_anew(one, assembly, model.assembly) for one in contents.loads)
     total, said = loads.on(model.assembly, cases)
     return _with_joints(

@@ -87,3 +87,15 @@ def test_friction_is_a_coefficient_or_an_angle(path: Path) -> None:
 def test_an_argument_that_is_not_known_is_refused_with_the_nearest_name(path: Path) -> None:
     with pytest.raises(InputError, match="no argument 'frction'; did you mean friction"):
         drystone.check(path, frction=0.7)  # type: ignore[call-arg]
+
+
+@pytest.mark.parametrize(
+    ("density", "meant"),
+    [(2.4, 2400), (2.4e-9, 2400), (24.0, 2446), (24e3, 2446), (120.0, 0), (2400.0, 0), (19.3e3, 0)],
+)
+def test_a_density_that_no_block_has_is_told_with_the_option(density: float, meant: float) -> None:
+    """In t/m3, t/mm3, kN/m3 and N/m3; those of cork, stone and gold are not."""
+    told = [one for one in io.as_model(TOWER, density=density).notes if "density" in one]
+    assert [one.partition("unit right ")[2] for one in told] == (
+        [f"(--density {meant})?"] if meant else []
+    )
