@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Unpack
@@ -244,7 +244,7 @@ class TrainEnvelope(Answer):
         if self.falls_alone:
             alone = f"no forces balance the bridge alone, as found at {known}; 'check' tells why"
             return [*said, Sentence(alone)]
-        said += [self._of_width, self._of_place]
+        said += [self._of_width, self._of_place, *self._of_approaches]
         least = float(self.factors[self.worst])
         factor = "any factor" if np.isinf(least) else f"{rounded_down(least):g} and more"
         said.append(
@@ -333,6 +333,29 @@ class TrainEnvelope(Answer):
         wide = "; an axle acts evenly over its width: a wheel alone may be worse, and is not tried"
         ends = f"{told}{low:.3g} to {high:.3g} m"
         return Sentence(ends + (wide if self.train.across else ""), Role.REMARK)
+
+    @property
+    def _of_approaches(self) -> Iterator[Sentence]:
+        """That a train behind free abutments presses the earth there, and how to add that."""
+        (x, y, _), train = self._crossing.tops.road.strips.axes[0], self.train
+        axis, name = (1, "y") if abs(y) > abs(x) else (0, "x")
+        low, high = self.model.assembly.bounds.swapaxes(0, 1)
+        first, last = low.min(axis=0), high.max(axis=0)
+        near, half = 0.01 * (last - first)[axis], 0.5 * (last - first)[2]
+        free, sides = ~self.model.assembly.fixed, []
+        for side, away in ((f"-{name}", low - first), (name, last - high)):
+            there = free & (away[:, axis] < near)
+            if high[there, 2].max(initial=first[2]) - low[there, 2].min(initial=last[2]) > half:
+                sides.append(side)
+        if sides:
+            pressed = train.line / train.lane if train.line and train.lane else 20e3
+            how = f"earth:side={sides[0]},weight=0kN/m3,k=0.3,surcharge={pressed / 1e3:.3g}kPa"
+            yield Sentence(
+                f"behind free abutments (side {' and '.join(sides)}) the road is not loaded: "
+                "traffic there presses them through the earth, and they may carry less; add that "
+                f"for one side, not multiplied, such as by --load {how}",
+                Role.REMARK,
+            )
 
     @property
     def _line_borne(self) -> float:

@@ -465,3 +465,15 @@ def test_ground_beside_a_bridge_carries_nothing_of_a_train(train: Train) -> None
     alone, beside = (limit_train(one, train=train, fill=fill, steps=2) for one in (bridge, wide))
     assert beside.factors == pytest.approx(alone.factors, rel=1e-6)
     assert beside.limit.stands == pytest.approx(alone.limit.stands, rel=1e-6)
+
+
+def test_the_load_behind_a_free_abutment_is_told_with_the_option_to_type() -> None:
+    """9 kN/m2 of load model 1, and its abutment on the left is fixed."""
+    left, right = (box((1.0, 1.0, 3.0), (x, 0.0, 0.0), f"at {x:g}") for x in (0.0, 3.0))
+    foot = box((4.0, 1.0, 0.5), (0.0, 0.0, -0.5), "foot")
+    beam = box((4.0, 1.0, 0.5), (0.0, 0.0, 3.0), "beam")
+    bridge = Assembly((foot, left, right, beam)).with_fixed([0, 1])
+    found = limit_train(bridge, train=Train.named("lm1"), steps=1)
+    (told,) = [one.text for one in found.sentences() if "behind free abutments" in one.text]
+    assert "(side x)" in told
+    assert told.endswith("--load earth:side=x,weight=0kN/m3,k=0.3,surcharge=9kPa")
