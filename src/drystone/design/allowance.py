@@ -63,7 +63,8 @@ def joint_allowance(model: Model, allowance: float) -> Assembly:
         joined = _joined_faces(model, i)
         if joined:
             try:
-                blocks[i] = with_moved_faces(body, dict.fromkeys(joined, -0.5 * allowance))
+                back = dict.fromkeys(joined, -0.5 * allowance)
+                (blocks[i],) = with_moved_faces([body], [back])
             except CornerError:
                 blocks[i] = _cut_back(body, joined, 0.5 * allowance)
     moved = [i for i, body in enumerate(blocks) if body is not assembly.blocks[i]]

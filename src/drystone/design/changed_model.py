@@ -145,27 +145,28 @@ def _as_before(model: Model, part: Contacts, before: Ints, after: Ints, gone: Bo
     """
     old = model.contacts
     keys = _keys(before, old.block_a, old.block_b), _keys(after, part.block_a, part.block_b)
-    friction = np.full(part.count, usual_friction(model))
-    strength = np.tile(np.array([*DRY.values()])[:, None], part.count)
-    capacity = old.capacity or JointCapacity.of(old)
-    for key in dict.fromkeys(map(tuple, keys[1].tolist())):
-        was, now = ((one == key).all(axis=1) for one in keys)
-        if min(key) < 0 or key[0] == key[1] or not was.any():
-            continue
-        friction[now] = old.friction[was].min()
-        area, left = float(old.area[was].sum()), part.area[now]
-        share = left / left.sum() if left.sum() > 0.0 else np.full(now.sum(), 1.0 / now.sum())
-        share = share * (min(1.0, float(left.sum()) / area) if area > 0.0 else 1.0)
-        for row, name in enumerate(DRY):
-            total = float(getattr(capacity, name)[was].sum())
-            strength[row, now] = NO_LIMIT if total >= NO_LIMIT else total * share
+    each, group = np.unique(np.concatenate(keys), axis=0, return_inverse=True)
+    was, now = np.split(group.reshape(-1), [old.count])
+
+    def total(values: Floats, of: Ints) -> Floats:
+        return np.bincount(of, values, minlength=len(each)).astype(np.float64)
+
+    known = (each.min(axis=1) >= 0) & (each[:, 0] != each[:, 1]) & marked(was, len(each))
+    least = np.full(len(each), np.inf)
+    np.minimum.at(least, was, old.friction)
+    friction = np.where(known, least, usual_friction(model))[now]
+    area, left = total(old.area, was), total(part.area, now)
+    weight = np.where(left[now] > 0.0, part.area, 1.0)
+    less = np.divide(left, area, out=np.ones(len(each)), where=area > left)
+    share = (weight / total(weight, now)[now]) * less[now]
+    capacity, strength = old.capacity or JointCapacity.of(old), {}
+    for name, dry in DRY.items():
+        whole = total(np.asarray(getattr(capacity, name)), was)[now]
+        spread = np.where(whole < NO_LIMIT, whole * share, NO_LIMIT)
+        strength[name] = np.where(known[now], spread, dry)
     _refuse_lost(model, capacity, gone, *keys)
     part = part.with_friction(friction)
-    return (
-        part
-        if old.capacity is None
-        else part.with_capacity(capacity.with_values(dict(zip(DRY, strength, strict=True))))
-    )
+    return part if old.capacity is None else part.with_capacity(capacity.with_values(strength))
 
 
 def _refuse_lost(

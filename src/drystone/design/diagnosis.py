@@ -24,7 +24,7 @@ from drystone.design import words
 from drystone.design.bench import Bench
 from drystone.design.joint_motion import JointState, joint_states, sentence
 from drystone.design.margin import LARGE_REGION, soon_at_rest
-from drystone.design.needs import Needs, one_force, pulls_of, search_needs
+from drystone.design.needs import NEEDED, Needs, one_force, pulls_of, search_needs
 from drystone.design.props import posts
 from drystone.design.regions import (
     interfaces_of,
@@ -51,12 +51,15 @@ class DiagnosisOptions(Options):
         only.
     regions : >= 1
         Number of regions that are examined, the heaviest first.
+    kinds
+        Of these needs, those that are searched, of prop, friction, ballast, turn and glue (all).
     large
         Whether what regions of more than 40 blocks need is searched too: each trial is slow there.
     """
 
     needs: bool = True
     regions: int = 20
+    kinds: tuple[str, ...] = NEEDED
     large: bool = True
 
     @classmethod
@@ -134,7 +137,7 @@ def diagnose(
             regions.append(region)
             clock.tell("what falls", len(regions), len(looked))
     others = tuple(i for blocks in groups[chosen.regions :] for i in blocks)
-    wanted = chosen.needs and not others and not clock.late()
+    wanted = chosen.needs and "friction" in chosen.kinds and not others and not clock.late()
     friction = _friction_of_all(model, regions, clock.late) if wanted else None
     return Diagnosis(answer, tuple(regions), motion, friction, others, clock.reason)
 
@@ -153,9 +156,10 @@ def _region(
     interfaces = interfaces_of(model, blocks)
     local, position = local_model(model, blocks)
     large = len(blocks) > LARGE_REGION
-    alone = solve_alone(local, late)
+    whole = large and len(blocks) == model.assembly.free.size
+    alone = answer if whole else solve_alone(local, late)
     wrench = prop[list(blocks)]
-    if alone.prop is not None and not alone.stable and np.any(alone.prop):
+    if not whole and alone.prop is not None and not alone.stable and np.any(alone.prop):
         wrench = np.array(alone.prop[: len(blocks)])
     mine = np.zeros((len(model), 6))
     mine[list(blocks)] = wrench
@@ -167,7 +171,9 @@ def _region(
     needs = Needs(frozen(wrench), frozen(force), frozen(point), pulls)
     if options.needs and (options.large or not large) and not alone.stable and not late():
         with contextlib.suppress(Stopped):
-            for found in search_needs(Bench(model, blocks, motion, stop=late), needs):
+            for found in search_needs(
+                Bench(model, blocks, motion, stop=late), needs, options.kinds
+            ):
                 needs = replace(needs, **found)
     return Region(
         blocks,

@@ -186,12 +186,14 @@ def _thicker(asked: KnownNeeds) -> Proposals:
         about[blocks[own]] = axes
         free = model.assembly.free.tolist()
         ends = set(np.flatnonzero(model.assembly.fixed).tolist()) - {laid_ground(model.assembly)}
-        wide = max(_thick(model, i, about[i]) for i in free)
-        grown = free + [i for i in sorted(ends) if _thick(model, i, about[i]) < 1.01 * wide]
+        some = free + sorted(ends)
+        thick = lengths(thickness_of(model, some, about[some])[1])
+        wide = 1.01 * thick[: len(free)].max()
+        grown = free + [i for i, own in zip(some, thick, strict=True) if own < wide][len(free) :]
         return grown, about[grown]
 
     why = f"{listed([f'{100.0 * share:g}' for share in _SHARES])} % more thickness"
-    thick = np.array([_thick(bench.local, i, axis) for i, axis in zip(own, axes, strict=True)])
+    thick = lengths(thickness_of(bench.local, own, axes)[1])
     order = np.argsort(thick, kind="stable")
     ends = np.flatnonzero(np.diff(thick[order]) > _OTHER * thick[order][:-1]) + 1
     members = np.split(order, ends) if 0 < len(ends) < SMALL_REGION else []
@@ -212,10 +214,6 @@ _OTHER = 0.1
 """Members differ in thickness by more than this share. Chosen."""
 
 
-def _thick(model: Model, block: int, axis: Floats) -> float:
-    return float(np.linalg.norm(thickness_of(model, block, axis)[1]))
-
-
 _Grown: TypeAlias = Callable[[Model, Ints], tuple[list[int], Floats]]
 """Blocks of a model that get thicker, and the axes (b, 3) about which they turn."""
 
@@ -227,8 +225,7 @@ def _thickened(grown: _Grown, share: float, model: Model, blocks: Ints, _: Ints)
 
 def _thicker_words(bench: Bench, grown: _Grown, share: float) -> str:
     model, (some, axes) = bench.model, grown(bench.model, bench.blocks)
-    pairs, ways = zip(*(thickness_of(model, *x) for x in zip(some, axes, strict=True)), strict=True)
-    across = np.array(ways)
+    pairs, across = thickness_of(model, some, axes)
     size = lengths(across)
     least, most = (quantity(size.min() * by, "m") for by in (1.0, 1.0 + share))
     thinnest = "" if size.max() < 1.01 * size.min() else "the thinnest "

@@ -21,6 +21,7 @@ from drystone.design.changed import Changed, Kept
 from drystone.design.diagnosis import Diagnosis, DiagnosisOptions, Region, diagnose
 from drystone.design.margin import QUICK, DesignMargin
 from drystone.design.mend_kinds import KINDS
+from drystone.design.needs import NEEDED
 from drystone.design.whole_check import mends_of_kind
 from drystone.design.words import NOTHING, listed
 from drystone.io.opening import Given, LongHow, as_model
@@ -136,8 +137,8 @@ _LONG = 160
 """Characters of a mend above its picture, which more would cover; it is listed beside it in full.
 Chosen: two lines."""
 
-_FEW_NEEDS = DiagnosisOptions(large=False)
-"""What large regions need is found by their mends, the first of which is then told soon."""
+_OF_NEEDS = {**{kind: kind for kind in NEEDED}, "merge": "glue"}
+"""The need from which the mends of a kind begin."""
 
 
 @dataclass(frozen=True)
@@ -376,7 +377,7 @@ def find_mends(
     model = as_model(given, **how)
     keep = kept_blocks(model, chosen.keep)
     first = chosen.margin.holds(model, clock.late) if result is None else result
-    found, message = _fallen(first, chosen.margin, clock)
+    found, message = _fallen(first, chosen, clock)
     case = chosen.margin.case_of(first, model)
     if message:
         return Mends(found, message=message, case=case)
@@ -419,13 +420,18 @@ def _with_margin(made: Sequence[Changed], stop: Stop) -> list[Changed]:
     ]
 
 
-def _fallen(first: Result, margin: DesignMargin, clock: Clock) -> tuple[Diagnosis, str]:
-    """Why a model falls in the first case of a margin that falls, or why nothing is mended."""
-    if margin.meets(first):
-        return diagnose(first.model, result=first), stands_already(margin)
+def _fallen(first: Result, chosen: MendOptions, clock: Clock) -> tuple[Diagnosis, str]:
+    """Why a model falls in the first case of a margin that falls, or why nothing is mended.
+
+    What large regions need is found by their mends, the first of which is then told soon.
+    """
+    if chosen.margin.meets(first):
+        return diagnose(first.model, result=first), stands_already(chosen.margin)
+    needs = tuple({_OF_NEEDS[kind] for kind in chosen.kinds if kind in _OF_NEEDS})
+    options = DiagnosisOptions(large=False, kinds=needs)
     # what stands for some stiffnesses only is mended as it falls with the uniform one
     falls = check(first.model, options=QUICK, stop=clock.late) if first.stable else first
-    found = diagnose(first.model, options=_FEW_NEEDS, result=falls, **clock.rest)
+    found = diagnose(first.model, options=options, result=falls, **clock.rest)
     if found.regions:
         return found, ""
     if first.stable:

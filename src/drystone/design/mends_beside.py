@@ -11,7 +11,7 @@ from typing import TypeAlias
 import numpy as np
 
 from drystone.assembly import Assembly
-from drystone.base.arrays import Floats, Ints, lengths
+from drystone.base.arrays import Floats, Ints, dot, lengths
 from drystone.base.display import rounded_up
 from drystone.base.errors import counted
 from drystone.base.units import quantity
@@ -142,16 +142,12 @@ def tie(asked: KnownNeeds) -> Proposals:
     """
     bench, local = asked.bench, asked.bench.local
     centroid, size = local.assembly.centroid, local.assembly.size.max()
-    apart = _apart(bench, bench.motion)
-    if not apart:
+    rate, apart = _apart(bench, bench.motion)
+    if not len(apart):
         yield "no blocks move apart"
         return
-    fastest = max(rate for rate, _ in apart)
-
-    def bulk(pair: tuple[float, _Ends]) -> tuple[float, float]:
-        rate, (i, j) = pair
-        far = float(np.linalg.norm(centroid[i] - centroid[j]))
-        return round(far / size * fastest / rate, 6), _off(bench, pair[1])
+    far = lengths(centroid[apart[:, 0]] - centroid[apart[:, 1]])
+    bulk = np.round(far / size * (rate.max() / rate), 6)
 
     def make(ties: tuple[_Ends, ...], model: Model, blocks: Ints, _: Ints) -> Model:
         for i, j in ties:
@@ -175,43 +171,50 @@ def tie(asked: KnownNeeds) -> Proposals:
         def told(change: Change) -> Held:
             return _by_force(bench, len(of[change]), partial(words, of[change]), change)
 
-        return Tries(list(of), why, Take.FIRST, told=told)
+        all_ties = tuple(dict.fromkeys(ends for ties in several for ends in ties))
+        more = Change.single("tie", partial(make, all_ties), "") if len(several) > 2 else None
+        return Tries(list(of), why, Take.FIRST, told=told, together=more)
 
-    first = sorted(apart[:_FIRST], key=bulk)
+    first = apart[np.lexsort((_off(bench, apart), bulk))].tolist()
     why = f"a tie between blocks that move apart, of {counted(len(first), 'pair')}"
-    several: list[tuple[_Ends, ...]] = [(ends,) for _, ends in first]
+    several: list[tuple[_Ends, ...]] = [((i, j),) for i, j in first]
     ties: tuple[_Ends, ...] = ()
     for count in range(2, _TIES + 2):
         failed = len(bench.tried)
         yield tries(several, why)
-        if len(bench.tried) == failed or bench.large or not apart or count > _TIES:
+        if len(bench.tried) == failed or bench.large or not len(apart) or count > _TIES:
             return
-        ties = (*ties, apart[0][1])
+        ties = (*ties, (int(apart[0, 0]), int(apart[0, 1])))
         made = make(ties, local, np.arange(len(local)), np.arange(0))
         fallen = quick_check(bench.holds(made, bench.margin).model, bench.stop)
         if fallen.prop is None:
             return
-        apart = _apart(bench, first_motion_of(fallen.model, fallen.prop), ties)
-        several, why = [(*ties, ends) for _, ends in apart[:1]], f"{count} ties, each where most"
+        apart = _apart(bench, first_motion_of(fallen.model, fallen.prop), ties)[1]
+        several = [(*ties, (i, j)) for i, j in apart[:1].tolist()]
+        why = f"{count} ties, each where most"
 
 
-def _apart(bench: Bench, motion: Floats, ties: tuple[_Ends, ...] = ()) -> list[tuple[float, _Ends]]:
-    """Pairs of blocks that move apart, the fastest first, of equal ones that nearest the middle."""
-    local, own = bench.local.assembly, bench.own
+def _apart(bench: Bench, motion: Floats, ties: tuple[_Ends, ...] = ()) -> tuple[Floats, Ints]:
+    """The pairs (p, 2) of blocks that move apart fastest, with how fast (p,).
+
+    Of equal ones those nearest the middle of the region come first.
+    """
+    local = bench.local.assembly
     used = [i for ends in ties for i in ends]
-    ground = [i for i in np.flatnonzero(local.fixed).tolist() if lies_under_all(local, i)]
+    used += [i for i in np.flatnonzero(local.fixed).tolist() if lies_under_all(local, i)]
     velocity = np.where(local.fixed[:, None], 0.0, motion[:, :3])
-    found: list[tuple[float, _Ends]] = []
-    for i in own:
-        along = local.centroid - local.centroid[i]
-        size = np.linalg.norm(along, axis=1)
-        rate = ((velocity - velocity[i]) * along).sum(axis=1) / np.where(size > 0.0, size, 1.0)
-        rate[[j for j in own if j <= i]] = 0.0  # each pair once
-        rate[used + ground] = 0.0
-        if i not in used:
-            found += [(float(rate[j]), (i, int(j))) for j in np.flatnonzero(rate > 0.0)]
-    most = max((rate for rate, _ in found), default=1.0)
-    return sorted(found, key=lambda pair: (-round(pair[0] / most, 6), _off(bench, pair[1])))
+    rate = np.zeros((len(local), len(local)))
+    for i in bench.own:
+        along = local.centroid[i + 1 :] - local.centroid[i]  # each pair once
+        size = lengths(along)
+        apart = dot(velocity[i + 1 :] - velocity[i], along) / np.where(size > 0.0, size, 1.0)
+        rate[i, i + 1 :] = np.maximum(apart, 0.0)
+    rate[used] = rate[:, used] = 0.0
+    level = np.round(rate / max(rate.max(initial=0.0), np.finfo(float).tiny), 6)
+    few = max(level.size - _FIRST, 0)
+    ends = np.argwhere((rate > 0.0) & (level >= np.partition(level, few, axis=None)[few]))
+    first = np.lexsort((_off(bench, ends), -level[tuple(ends.T)]))[:_FIRST]
+    return rate[tuple(ends[first].T)], ends[first]
 
 
 def lies_under_all(assembly: Assembly, block: int) -> bool:
@@ -224,8 +227,7 @@ def lies_under_all(assembly: Assembly, block: int) -> bool:
     )
 
 
-def _off(bench: Bench, ends: _Ends) -> float:
-    """How far the middle of two blocks is from that of the region."""
+def _off(bench: Bench, ends: Ints) -> Floats:
+    """How far the middles of pairs of blocks (p, 2) are from that of the region: (p,) [m]."""
     centroid = bench.local.assembly.centroid
-    way = centroid[list(ends)].mean(axis=0) - centroid[bench.own].mean(axis=0)
-    return float(np.linalg.norm(way))
+    return lengths(centroid[ends].mean(axis=1) - centroid[bench.own].mean(axis=0))

@@ -23,7 +23,7 @@ where dA and dp are the changes of the equilibrium matrix and of the load with t
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
@@ -60,6 +60,9 @@ SEARCHED = 12
 """Number of blocks of a region for which a prop is tried, those with the largest need first; fewer
 in a large region. In a region of more blocks no ballast is tried: a weight on one of them hardly
 ever holds it."""
+
+NEEDED = ("prop", "friction", "ballast", "turn", "glue")
+"""The kinds of help that are searched; the same as of mends."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,27 +147,31 @@ class Needs(OneLine):
         return found | ({"prop"} if self.props.props else set())
 
 
-def search_needs(bench: Bench, needs: Needs) -> Iterator[dict[str, Any]]:
+def search_needs(
+    bench: Bench, needs: Needs, kinds: Sequence[str] = NEEDED
+) -> Iterator[dict[str, Any]]:
     """The needs of the region of a bench, one after the other, as fields of :class:`Needs`.
 
-    ``needs`` is what is known of them.
+    ``needs`` is what is known of them, ``kinds`` of :data:`NEEDED` what is searched.
 
     Raises
     ------
     Stopped
     """
-    small = len(bench.own) <= SMALL_REGION
-    yield {"props": props_of(bench, needs).renumbered(bench.blocks)}
-    yield {"friction": _friction(bench)}
+    each: list[tuple[str, Callable[[], dict[str, Any]]]] = [
+        ("prop", lambda: {"props": props_of(bench, needs).renumbered(bench.blocks)}),
+        ("friction", lambda: {"friction": _friction(bench)}),
+    ]
     if len(bench.own) <= SEARCHED and acceleration_of(bench.local).any():
         weights = [ballast_change(bench.local, len(bench.own), i) for i in bench.own]
-        yield {"ballast": _smallest(bench, weights, bench.region)}
-    if small:
-        yield {"turn": _turn(bench)}
+        each.append(("ballast", lambda: {"ballast": _smallest(bench, weights, bench.region)}))
+    if len(bench.own) <= SMALL_REGION:
+        each.append(("turn", lambda: {"turn": _turn(bench)}))
     if bench.large:
-        yield {"pulls": pulls_of_region(bench)}
+        each.append(("glue", lambda: {"pulls": pulls_of_region(bench)}))
     else:
-        yield {"glue": _glue(bench, needs.pulls)}
+        each.append(("glue", lambda: {"glue": _glue(bench, needs.pulls)}))
+    yield from (found() for kind, found in each if kind in kinds)
 
 
 def props_of(bench: Bench, needs: Needs) -> PropSearch:

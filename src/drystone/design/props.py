@@ -334,10 +334,14 @@ def find_props(
     slippery = model.with_friction(SPARE * model.contacts.friction)
     first: list[PropForce] = []
     best = tried if large else _ranked(model, blocks, tried, stop)
-    for seat in (*best, *(one for one in tried if one not in best)):
+    order = [*best, *(one for one in tried if one not in best)]
+    for seat in order:
         held = _forces(model, [seat], stop)
         if held and (large or _forces(slippery, [seat], stop)):
             return PropSearch(tuple(held), "")
+        alone = seat is order[0] and not held and len(order) > 2
+        if alone and not _forces(model, order, stop):  # what all do not hold none holds
+            break
         first = first or held
     if first:
         return PropSearch(tuple(first), "")

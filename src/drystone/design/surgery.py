@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import combinations
 
 import numpy as np
 
 from drystone.assembly import Block, replace_block
-from drystone.base.arrays import SAME, Floats, dot, frozen_floats, lengths, number
+from drystone.base.arrays import SAME, Bools, Floats, dot, frozen_floats, lengths, marked, number
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
+from drystone.base.ragged import Ragged, runs_by_length
 from drystone.design.changed_model import changed, fresh_name
 from drystone.design.joint_cut import (
     Cell,
@@ -184,7 +184,8 @@ def move_face(model: Model, block: int | str, face: int, distance: float) -> Mod
     body = model.assembly.blocks[i]
     if not 0 <= face < len(body.faces):
         raise InputError(f"block '{body.name}' has no face {face}", remedy="number them from 0")
-    return changed(model, {i: with_moved_faces(body, {face: number(distance, "the distance")})})
+    moved = with_moved_faces([body], [{face: number(distance, "the distance")}])
+    return changed(model, {i: moved[0]})
 
 
 def thicken_blocks(
@@ -202,33 +203,39 @@ def thicken_blocks(
     InputError
         A block has no such faces, or one of them cannot be moved.
     """
-    axes = np.zeros((len(blocks), 3)) if axes is None else axes
-    found = [thickness_of(model, i, axis) for i, axis in zip(blocks, axes, strict=True)]
-    new = {}
-    sides = free_sides(model, blocks, [pair for pair, _ in found])
-    for i, faces, (_, across) in zip(blocks, sides, found, strict=True):
-        step = share * float(np.linalg.norm(across)) / len(faces)
-        new[i] = with_moved_faces(model.assembly.blocks[i], dict.fromkeys(faces, step))
-    return changed(model, new)
+    about = np.zeros((len(blocks), 3)) if axes is None else axes
+    pairs, across = thickness_of(model, blocks, about)
+    steps = (share * lengths(across)).tolist()
+    sides = zip(free_sides(model, blocks, pairs), steps, strict=True)
+    moved = [dict.fromkeys(faces, step / len(faces)) for faces, step in sides]
+    bodies = [model.assembly.blocks[i] for i in blocks]
+    return changed(model, dict(zip(blocks, with_moved_faces(bodies, moved), strict=True)))
 
 
-def thickness_of(model: Model, block: int, axis: Floats) -> tuple[list[int], Floats]:
-    """The two faces of a block between which its thickness is, and the way (3,) [m] across.
+def thickness_of(
+    model: Model, blocks: Sequence[int], axes: Floats
+) -> tuple[list[list[int]], Floats]:
+    """The two faces of each block between which its thickness is, and the way (b, 3) [m] across.
 
-    ``axis`` (3,) and errors as for :func:`thicken_blocks`; zero where the block does not turn.
+    ``axes`` (b, 3) and errors as for :func:`thicken_blocks`; zero where a block does not turn.
     """
-    faces = model.assembly.faces
-    own = slice(*np.searchsorted(faces.owner, (block, block + 1)))
-    normal, middle = faces.normals[own], faces.middles[own]
-    offset = dot(normal, middle)
-    along = np.abs(normal @ axis) > np.sqrt(0.5) * np.linalg.norm(axis)
-    largest = np.lexsort((-lengths(faces.area_vectors[own]), along)).tolist()
-    for one, two in combinations(largest, 2):
-        away = normal[one] @ normal[two] < -0.5
-        if away and not any(_in_joint(model, block, normal[k], offset[k]) for k in (one, two)):
-            return [one, two], (offset[one] - float(normal[one] @ middle[two])) * normal[one]
-    where = f"block '{model.assembly.names[block]}'"
-    raise InputError("has no two free faces", where=where, remedy="choose another")
+    faces, own = model.assembly.faces, Ragged.from_owners(model.assembly.faces.owner, len(model))
+    area, offset = lengths(faces.area_vectors), dot(faces.normals, faces.middles)
+    bound = _in_joints(model, own, offset)
+    found, across = [], []
+    for i, axis in zip(blocks, axes, strict=True):
+        first, normal = own[i].start, faces.normals[own[i]]
+        along = np.abs(normal @ axis) > np.sqrt(0.5) * np.linalg.norm(axis)
+        free = [k for k in np.lexsort((-area[own[i]], along)).tolist() if not bound[first + k]]
+        away = np.triu((normal @ normal.T)[np.ix_(free, free)] < -0.5)
+        if not away.any():
+            where = f"block '{model.assembly.names[i]}'"
+            raise InputError("has no two free faces", where=where, remedy="choose another")
+        one, two = (free[k] for k in divmod(int(away.argmax()), len(free)))
+        apart = offset[first + one] - float(normal[one] @ faces.middles[first + two])
+        found.append([one, two])
+        across.append(apart * normal[one])
+    return found, np.array(across).reshape(-1, 3)
 
 
 def free_sides(model: Model, blocks: Sequence[int], pairs: Sequence[list[int]]) -> list[list[int]]:
@@ -255,23 +262,26 @@ def free_sides(model: Model, blocks: Sequence[int], pairs: Sequence[list[int]]) 
     return sides
 
 
-def _in_joint(model: Model, block: int, normal: Floats, offset: float) -> bool:
-    """Whether a joint of a block lies in a plane."""
-    contacts = model.contacts
-    near = 0.01 * model.assembly.size[block]
-    return any(
-        abs(contacts.frame[k, 0] @ normal) > 0.99
-        and np.abs(contacts.polygon(int(k)) @ normal - offset).max() < near
-        for k in np.flatnonzero((contacts.block_a == block) | (contacts.block_b == block))
-    )
+def _in_joints(model: Model, own: Ragged, offset: Floats) -> Bools:
+    """Whether a joint of its block lies in the plane of each face (f,)."""
+    contacts, faces = model.contacts, model.assembly.faces
+    part, face = own.take(np.concatenate([contacts.block_a, contacts.block_b]))
+    joint = part.owner % contacts.count if contacts.count else part.owner
+    alike = np.abs(dot(contacts.frame[joint, 0], faces.normals[face])) > 0.99
+    part, corner = contacts.corners.take(joint[alike])
+    face, at = face[alike], face[alike][part.owner]
+    off = part.max(np.abs(dot(contacts.point[corner], faces.normals[at]) - offset[at]))
+    return marked(face[off < 0.01 * model.assembly.size[faces.owner[face]]], faces.count)
 
 
 class CornerError(InputError):
     """More than three faces meet at a corner, and no point is on all of their moved planes."""
 
 
-def with_moved_faces(body: Block, distances: Mapping[int, float]) -> Block:
-    """A block with some faces moved outward by distances [m], its other planes where they are.
+def with_moved_faces(
+    bodies: Sequence[Block], distances: Sequence[Mapping[int, float]]
+) -> list[Block]:
+    """Blocks with some faces of each moved outward by distances [m], their other planes as before.
 
     A corner takes the shortest way that moves it as far along the normal of each of its faces as
     the face moves: warped faces stay as warped as they are.
@@ -283,28 +293,39 @@ def with_moved_faces(body: Block, distances: Mapping[int, float]) -> Block:
     InputError
         A face or an edge would be swallowed.
     """
-    normal, _ = face_planes(body)
-    away = np.array([distances.get(k, 0.0) for k in range(len(body.faces))])
-    vertices = np.array(body.vertices)
-    for v in sorted({v for face in distances for v in body.faces[face]}):
-        meeting = [k for k, loop in enumerate(body.faces) if v in loop]
-        step = np.linalg.lstsq(normal[meeting], away[meeting], rcond=SAME)[0]
-        error = np.abs(normal[meeting] @ step - away[meeting]).max()
-        if error > 1e-3 * np.abs(away).max():
+    faces = stack_faces([one.vertices for one in bodies], [one.faces for one in bodies])
+    body = Ragged.from_owners(faces.owner, len(bodies))
+    away = np.zeros(faces.count)
+    for first, some in zip(body.first.tolist(), distances, strict=True):
+        away[[first + k for k in some]] = list(some.values())
+    moved = body.max(np.abs(away))[faces.owner]
+    meeting = np.unique(np.stack([faces.loop, faces.corners.owner], axis=1), axis=0)
+    vertex, face = meeting.T
+    vertices = np.array(faces.point)
+    for runs, rows in runs_by_length(np.flatnonzero(np.diff(vertex, prepend=-1)), len(face)):
+        some = face[rows].reshape(len(runs), -1)
+        normal, aim = faces.normals[some], away[some][:, :, None]
+        step = np.linalg.pinv(normal, rcond=SAME) @ aim
+        vertices[vertex[rows].reshape(some.shape)[:, 0]] += step[:, :, 0]
+        wrong = (np.abs(normal @ step - aim)[:, :, 0] > 1e-3 * moved[some]).any(axis=1)
+        if wrong.any():
+            at = some[int(wrong.argmax())]
             raise CornerError(
                 "more than three faces meet at a corner of the face that moves, and no point is "
                 "on all of their planes",
-                where=f"block '{body.name}', face {min(set(meeting) & set(distances))}",
+                where=_face_words(bodies, body, int(at[away[at] != 0.0][0])),
                 remedy="shape the block so that three faces meet there",
             )
-        vertices[v] += step
-    _refuse_swallowed(body, vertices)
-    return replace_block(body, vertices=vertices)
+    new = np.split(vertices, np.cumsum([len(one.vertices) for one in bodies])[:-1])
+    _refuse_swallowed(bodies, body, new)
+    return [replace_block(one, vertices=at) for one, at in zip(bodies, new, strict=True)]
 
 
-def _refuse_swallowed(body: Block, vertices: Floats) -> None:
+def _refuse_swallowed(bodies: Sequence[Block], own: Ragged, new: Sequence[Floats]) -> None:
     """Refuse new vertices with which a face or an edge of a block is gone or turned around."""
-    faces = stack_faces([body.vertices, vertices], [body.faces, body.faces])
+    faces = stack_faces(
+        [*(one.vertices for one in bodies), *new], [one.faces for one in (*bodies, *bodies)]
+    )
     corner = faces.point[faces.loop]
     was, area = faces.area_vectors.reshape(2, -1, 3)
     edge, turned = (corner[faces.corners.following] - corner).reshape(2, -1, 3)
@@ -314,9 +335,15 @@ def _refuse_swallowed(body: Block, vertices: Floats) -> None:
     if gone.any():
         raise InputError(
             "would remove a whole face",
-            where=f"block '{body.name}', face {int(gone.argmax())}",
+            where=_face_words(bodies, own, int(gone.argmax())),
             remedy="move it less",
         )
+
+
+def _face_words(bodies: Sequence[Block], own: Ragged, face: int) -> str:
+    """A face of one of some blocks as text; they are numbered one block after the other."""
+    i = int(own.owner[face])
+    return f"block '{bodies[i].name}', face {face - int(own.first[i])}"
 
 
 def face_planes(block: Block) -> tuple[Floats, Floats]:

@@ -125,11 +125,25 @@ class _WholeCheck:
     def __init__(self, bench: Bench, candidate: Change, value: float, held: list[int]) -> None:
         self.bench, self.candidate, self.first = bench, candidate, value
         self.held = tuple(bench.model.assembly.names[i] for i in held)
-        self.near: Near = []
+        self.near = self._rests()
         self.why: dict[float, str] = {}
         self.stood: dict[float, Result] = {}
         self.largest = value
         self.sensitive = False  # whether it stands for some contact stiffnesses
+
+    def _rests(self) -> Near:
+        """Where a large region rests after the change, if no other blocks move."""
+        bench, model = self.bench, self.bench.model
+        if not bench.large or len(bench.region) < model.assembly.free.size:
+            return []
+
+        def placed(local: Floats) -> Floats:
+            own, added = np.split(local, [len(bench.blocks)])
+            whole = np.concatenate([np.zeros((len(model), 6)), added])
+            whole[bench.blocks] = own
+            return whole
+
+        return [{k: placed(motion) for k, motion in rests.items()} for rests in bench.rests]
 
     def mend(self) -> Changed | None:
         """The change with the least value that holds the structure; ``None`` if it falls."""

@@ -162,7 +162,7 @@ def _by_one_stiffness(
 ) -> Candidate | None:
     """Where uniform stiffness leads, if not found; None where a mechanism is known before."""
     problem = asked.problem
-    if found is None and near is not None and problem.statics.dry:
+    if found is None and near is not None:
         found = asked.attempt().begun_at(near)
     if found is None:
         # where a known rest state leads nowhere a mechanism is likely, and is found soon
