@@ -167,7 +167,7 @@ def _told(found: Limit) -> str:
 
 
 def _agrees(study: Study, found: Limit) -> bool:
-    """Whether both sides of the limit are within half a degree, or a whole one, of a published one.
+    """Whether both sides of the limit are within 0.5 degrees, or 1.5, of a published one.
 
     Published figures of concave and curved joints are whole degrees.
     """
