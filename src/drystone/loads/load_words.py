@@ -18,6 +18,8 @@ _Direction: TypeAlias = tuple[float, float, float]
 
 _GROUND: Mapping[str, type[Fill] | type[Earth]] = {"fill": Fill, "earth": Earth}
 """Loads of the ground, by the word before their values."""
+_MOST = 1e6
+"""Gravity [m/s2], and shares of the weight: no machine and no earthquake has as much."""
 _EXAMPLE = "a force 0,0,-500 or 2kN, a mass 80kg or a moment m=0,0,25"
 
 
@@ -48,15 +50,15 @@ def gravity_vector(text: str) -> tuple[float, float, float]:
     """
     if "," in text:
         given = vector(text)
-        if given == (0.0, 0.0, 0.0):
-            raise InputError("is zero", remedy="give a direction")
+        if not 0.0 < math.hypot(*given) <= _MOST:
+            raise InputError(f"is {text}", remedy=f"give one above zero, up to {_MOST:g} m/s2")
         return given
     try:
         size = float(text)
     except ValueError as error:
         raise InputError(f"'{text}' is neither a number nor X,Y,Z", remedy="write 9.81") from error
-    if not 0.0 < size < float("inf"):
-        raise InputError(f"is {text}", remedy="give a number above zero")
+    if not 0.0 < size <= _MOST:
+        raise InputError(f"is {text}", remedy=f"give a number above zero, up to {_MOST:g} m/s2")
     return (0.0, 0.0, -size)
 
 
@@ -154,7 +156,10 @@ def seismic_of_words(text: str, assembly: Assembly) -> LoadCase:
     parts = text.split(",")
     if len(parts) not in (1, 2):
         raise InputError(f"'{text}' is not KX,KY", where="seismic", remedy="write 0.1,0")
-    return LoadCase.seismic(assembly, *(_number(part, "seismic") for part in parts))
+    shares = [_number(part, "seismic") for part in parts]
+    if math.hypot(*shares) > _MOST:
+        raise InputError(f"is {text}", where="seismic", remedy=f"give shares up to {_MOST:g}")
+    return LoadCase.seismic(assembly, *shares)
 
 
 def combined(texts: Iterable[str], cases: Iterable[LoadCase]) -> LoadCase:

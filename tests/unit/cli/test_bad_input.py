@@ -102,6 +102,8 @@ def test_a_bad_model_gets_one_line_and_exit_2(
         (["--gravity", "down"], ["--gravity", "'down'"]),
         (["--gravity", "0,0,0"], ["--gravity", "zero"]),
         (["--gravity", "-9.81"], ["--gravity", "above zero"]),
+        (["--gravity", "1e30"], ["--gravity", "up to 1e+06 m/s2"]),
+        (["--seismic", "1e9"], ["--seismic", "up to 1e+06"]),
         (["--gravity", "1,2"], ["--gravity", "three"]),
         (["--gravity", "0,0,nan"], ["--gravity", "finite"]),
         (["--time-limit", "-1"], ["--time-limit", "above zero"]),
