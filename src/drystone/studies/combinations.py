@@ -137,7 +137,9 @@ class Combinations(Answer):
             )
         by = one.situation
         divided = f"friction is divided by {by.friction:g}, strength of joints by {by.strength:g}"
-        divided += f", of ties by {by.tie:g}" if self.model.contacts.ties.any() else ""
+        if self.model.contacts.ties.any() or by.tie != 1.0:
+            none = "" if self.model.contacts.ties.any() else ", of which there is none: give --tie"
+            divided += f", of ties by {by.tie:g}{none}"
         said.append(Sentence(divided))
         said += [Sentence(one, Role.REMARK) for one in self._not_apart]
         shaken = [Shaken.of(self.governing.assembly, one.load) for one in self.each]
