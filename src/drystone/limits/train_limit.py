@@ -376,11 +376,15 @@ class TrainEnvelope(Answer):
             load, line = self.train.line * long, quantity(self.train.line, "N/m")
             rows.append((f"line load, {line} on {long:.4g} m", load, share, share * load))
         fixed, rest = self.model.assembly.fixed, (np.nan, np.nan)
+        borne = sum(row[3] for row in rows)
         rows += [
-            ("sum of what the model bears", *rest, sum(row[3] for row in rows)),
+            ("sum of what the model bears", *rest, borne),
             ("found on free blocks", *rest, float(down[~fixed].sum())),
             ("found on supports and ground", *rest, float(down[fixed].sum())),
         ]
+        beyond = borne - float(down.sum())
+        if beyond > SAME * borne:
+            rows.append(("spread beyond the ends of the bridge, on no block", *rest, beyond))
         names, units = ("of", "load", "borne", "vertical"), ("", "N", "1", "N")
         columns = {name: [row[i] for row in rows] for i, name in enumerate(names)}
         title = "vertical load of the train at the worst place, at factor 1"

@@ -223,6 +223,8 @@ def test_the_train_is_summed_by_hand(bridge: Model) -> None:
     borne = table["vertical"][1] / table["load"][1]
     assert 1.0 / (3.0 + 1.95) < borne < 1.0 / (3.0 + 0.3)
     assert table["vertical"][2] == pytest.approx(table["vertical"][:2].sum())
+    assert "beyond the ends of the bridge" in table["of"][-1]
+    assert table["vertical"][3:].sum() == pytest.approx(table["vertical"][2])
     whole = limit_train(bridge, train=AXLE, fill=FILL, steps=3, options=quick).by_hand()
     assert whole["vertical"] == pytest.approx([1e5, 1e5, 1e5, 0.0])
 
