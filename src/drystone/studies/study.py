@@ -117,9 +117,9 @@ def study(
         to which forces balance the loads; of a limit the last value at which it stands and the
         first one at which it falls (with ``--robust`` for every stiffness tried), and the ranges
         where it is ``sensitive`` to stiffness or ``undecided``, or what else it finds, such as both
-        bounds of a thrust; of a tilt about which axis it was ``turned``; the blocks that move, a
-        message, and the time [s]. ``refused`` stands where there is no model, ``unbalanced`` where
-        no forces bound a thrust, ``failed`` where a worker ended twice.
+        bounds of a thrust; of both tilts about which axis it was ``turned``; the blocks that move,
+        a message, and the time [s]. ``refused`` stands where there is no model, ``unbalanced``
+        where no forces bound a thrust, ``failed`` where a worker ended twice.
 
     Raises
     ------
@@ -407,7 +407,7 @@ def _fallen(table: Table, x: Any, y: Any) -> list[Marks]:
 
 def _columns(limit: str) -> Mapping[str, str]:
     """The columns of what is found, with their units."""
-    return measures(limit) if limit else {"tilt_margin": "deg"}
+    return measures(limit) if limit else {"tilt_margin": "deg", TURNED: ""}
 
 
 def _require(names: Iterable[str], taken: Sequence[str], build: Any) -> None:
@@ -484,12 +484,13 @@ def _row(task: _Task, clock: Clock) -> list[Any]:
                 word, *map(_without_noise, values), " ".join(moves), message, clock.elapsed_s
             )
         result = check(model, options=task.options, stop=clock.late)
-        margin = tilt_margin(model, stop=clock.late)[0] if result.stable else None
+        margin, about = tilt_margin(model, stop=clock.late) if result.stable else (None, "")
+        about = f"about {about}" if about else ""
     except DrystoneError as error:
         return task.without("refused", str(error), clock.elapsed_s)
     moves = result.falling_names
     return task.row(
-        result.verdict.value, margin, " ".join(moves), result.message, clock.elapsed_s
+        result.verdict.value, margin, about, " ".join(moves), result.message, clock.elapsed_s
     )  # fmt: skip
 
 

@@ -78,7 +78,9 @@ def test_rows_are_checked_and_what_is_refused_has_its_reason() -> None:
     assert found["mechanism"].tolist() == ["", "", "", "pier"]
     with pytest.raises(KeyboardInterrupt):
         study(refusing, {"width": [0.05]})
-    margin = study(pier, {"width": [0.5]})["tilt_margin"]
+    checked = study(pier, {"width": [0.5]})
+    margin = checked["tilt_margin"]
+    assert checked["turned"].tolist() == ["about y"]
     assert margin == pytest.approx(math.degrees(math.atan(0.25)), abs=0.01)
 
 
@@ -351,12 +353,12 @@ def test_rows_that_fall_are_crosses_and_no_curve_hides_another() -> None:
 
 def test_people_read_what_differs_and_programs_read_all(tmp_path: Path) -> None:
     found = study(arch, {"thickness_ratio": [0.05, 0.2], "voussoirs": [11]}, friction=0.7)
-    heads = ["thickness ratio", "verdict", "tilt margin [deg]", "mechanism"]
+    heads = ["thickness ratio", "verdict", "tilt margin [deg]", "turned", "mechanism"]
     assert found.cells()[0] == heads
     assert found.take([0]).cells()[0] == heads
     found.to_csv(tmp_path / "found.csv")
     head, falls, _ = (tmp_path / "found.csv").read_text("utf-8").splitlines()
-    assert head.startswith("number,thickness_ratio,voussoirs,verdict,tilt_margin [deg],mechanism")
-    assert falls.startswith("0,0.05,11,unstable,,")
+    assert head.startswith("number,thickness_ratio,voussoirs,verdict,tilt_margin [deg],turned,mech")
+    assert falls.startswith("0,0.05,11,unstable,,,")
     refused = study(arch, {"thickness_ratio": [-1.0, 0.2]}, friction=0.7)
     assert "message" in refused.cells()[0]
