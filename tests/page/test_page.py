@@ -272,9 +272,33 @@ def test_the_page_of_a_limit_says_the_limit_and_shows_both_sides(opened):
     assert tab.run("document.querySelector('[data-preset=solid]').ariaPressed") == "true"
 
 
+COARSE_AT_FIRST = """
+const [wait, write, next] = [
+  WebGL2RenderingContext.prototype.clientWaitSync, CanvasRenderingContext2D.prototype.fillText,
+  window.requestAnimationFrame,
+];
+let slow = true; // no picture is done, and the first one comes late
+window.finish = () => { slow = false; };
+window.written = [];
+WebGL2RenderingContext.prototype.clientWaitSync = function (...given) {
+  return slow ? this.TIMEOUT_EXPIRED : wait.call(this, ...given);
+};
+CanvasRenderingContext2D.prototype.fillText = function (text, ...given) {
+  window.written.push(text);
+  write.call(this, text, ...given);
+};
+window.requestAnimationFrame = (made) => next((now) => {
+  for (const begun = performance.now(); performance.now() < begun + 110;);
+  window.requestAnimationFrame = next;
+  made(now);
+});"""
+
+
 def test_the_page_of_a_plan_brings_each_block_in(opened):
     model = drystone.Model.of(tower(3))
-    tab = opened(drystone.plan(model), size=(900, 600))
+    tab = opened(drystone.plan(model), size=(900, 600), before=COARSE_AT_FIRST)
+    assert {"1", "2"} <= set(tab.run("window.written"))
+    tab.run("window.finish()")
     assert tab.text("h1") == "Can be assembled without help"
     assert tab.text("#stage-label") == "all blocks, after 2 steps"
     tab.slide("#stage", 0)

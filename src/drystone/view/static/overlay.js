@@ -17,12 +17,12 @@ function apart(labels, measure, height) {
 }
 
 // Names and numbers: on what is seen of a block, or in its middle where blocks are glassy. While pictures
-// come slowly nothing is looked for.
+// of many blocks come slowly nothing is looked for; few keep them, as a page may open with such a picture.
 function blockLabels(data, stage, view, size, { names, numbers, hidden }) {
   const out = layerLabels(stage, view, size);
   if (!names && !numbers) return out;
   const solid = view.showBlocks && view.opacity >= 1 && renderer;
-  if (solid && view.hurried) return out;
+  if (solid && view.hurried && data.count >= MANY) return out;
   const seen = solid ? seenBlocks(renderer, view, size) : null;
   const { centroid, number } = data.blocks;
   for (let i = 0; i < data.count; i++) {
