@@ -128,8 +128,7 @@ def _steady(bench: Bench, block: int, force: Floats, point: Floats) -> str:
 
     share = least(stands, (1.0,))
     size = quantity(rounded_up((share or 0.0) * math.hypot(*force), 2), "N")
-    told = f", if it does not give: size it for this; the least steady force there is {size}"
-    return told if share else ""
+    return f"; the least steady force there is {size}" if share else ""
 
 
 _Ends: TypeAlias = tuple[int, int]

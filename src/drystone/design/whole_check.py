@@ -10,11 +10,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drystone.base.arrays import Floats
+from drystone.base.arrays import Floats, lengths
 from drystone.base.display import named
 from drystone.base.errors import InputError
 from drystone.base.settings import Clock, Stopped
-from drystone.base.units import mass
+from drystone.base.units import mass, quantity
 from drystone.design.bench import Bench, Near, Tried
 from drystone.design.changed import Changed, Kept, free_mass
 from drystone.design.changes import Change
@@ -163,6 +163,7 @@ class _WholeCheck:
         was, now = mass(free_mass(model)), mass(free_mass(made))
         how = f"; free mass from {was} to {now}" if was != now else ""
         how += ", which holds only after settling" if found.settles else ""
+        how += self._sized(found)
         jam = bench.jam(candidate, found.value)
         how += str(jam or "")
         kept = Kept(
@@ -180,6 +181,20 @@ class _WholeCheck:
         held = f" ({named(kept.held)} held meanwhile)" if kept.held else ""
         words = kept.description + held
         return Changed(model, made, found.result, found.result.stable, words, (kept,))
+
+    def _sized(self, found: _Held) -> str:
+        """What props are sized for that do not give: the largest force of one in the whole.
+
+        There the blocks around the region give way too. With a margin only if it is more than told.
+        """
+        if self.candidate.kind != "prop":
+            return ""
+        count = self.candidate.added
+        most = float(lengths(found.result.resultants.force[-count:]).max())
+        if self.bench.margin != DesignMargin() and count * most <= 1.005 * found.value:
+            return ""
+        who = "they do not give, size each" if count > 1 else "it does not give, size it"
+        return f"; if {who} for {quantity(most, 'N')}"
 
     def _least(self) -> _Held | None:
         """The structure with the least value with which it stands, else stands after settling."""
