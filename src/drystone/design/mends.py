@@ -225,8 +225,12 @@ class Mends(Answer):
         """The verdict, the mends, why it falls, and what was tried without success."""
         verdict, *reasons = self.diagnosis.sentences()
         if self.case:
-            falls = "it falls" if self.diagnosis.result.falls else self.diagnosis.result.verdict
+            found = self.diagnosis.result
+            falls = "it falls" if found.falls else f"it is {found.verdict}"
             verdict = replace(verdict, text=f"STANDS; {self.case} {falls}")
+            why, told = found.message, f"{self.case}: {found.message}"
+            own = why != self.message
+            reasons = [replace(x, text=told) if own and x.text == why else x for x in reasons]
         failed = [Sentence(self._failed(), Role.REMARK)] if self.tried else []
         near = [f"less than the margin: {one.less}" for _, one in self.tried if one.less]
         failed += [Sentence(text, Role.REMARK) for text in near]
