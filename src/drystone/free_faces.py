@@ -25,10 +25,6 @@ class FreePart(OneLine):
     Attributes
     ----------
     block
-    normal : (3,) unit
-        Outward.
-    area : [m2]
-        Of the part.
     share
         Of the face.
     origin : (3,) [m]
@@ -40,12 +36,20 @@ class FreePart(OneLine):
     """
 
     block: int
-    normal: Floats
-    area: float
     share: float
     origin: Floats
     frame: Floats
     shape: shapely.Polygon
+
+    @property
+    def normal(self) -> Floats:
+        """(3,) unit, outward."""
+        return -self.frame[0]
+
+    @property
+    def area(self) -> float:
+        """[m2]."""
+        return float(self.shape.area)
 
     @property
     def covered(self) -> bool:
@@ -112,6 +116,5 @@ def free_parts(model: Model, block: int, away: float = NEAR) -> Iterator[FreePar
         parts = [part for part in shapely.get_parts(left) if part.area > 0.0]
         for part in sorted(parts, key=lambda one: -one.area):
             yield FreePart(
-                block, frozen(area / whole), part.area, part.area / whole,
-                frozen(np.array(corner[0])), frozen(frame), part,
+                block, part.area / whole, frozen(np.array(corner[0])), frozen(frame), part
             )  # fmt: skip

@@ -13,6 +13,7 @@ import numpy as np
 
 from drystone.base.arrays import Floats, Ints, cross, dot
 from drystone.base.errors import InputError
+from drystone.base.ragged import Ragged
 from drystone.design.vertex_places import BlockVertices
 from drystone.detection.edgecontacts import PARALLEL
 from drystone.geometry.polyhedron import edges_of
@@ -36,24 +37,21 @@ class Corners:
         Ends of the two edges that cross there; -1 where a vertex is there.
     offset : (k, 3) [m]
         From what the vertices give to the corner as it was found: the gap of the joint.
-    interface : (k,)
+    joint
+        The corners of each interface.
     frame : (m, 3, 3)
         Of the interfaces as they were found.
     turn : (m,)
         1 where the corners run counter-clockwise about the normal, else -1.
-    following, preceding : (k,)
-        The next and the last corner of the same interface.
     """
 
     at: Ints
     edge_a: Ints
     edge_b: Ints
     offset: Floats
-    interface: Ints
+    joint: Ragged
     frame: Floats
     turn: Floats
-    following: Ints
-    preceding: Ints
 
     @classmethod
     def of(cls, model: Model, bodies: BlockVertices) -> Corners:
@@ -70,19 +68,16 @@ class Corners:
         at = np.full((count, 2), -1, dtype=np.intp)
         edges = np.full((2, count, 2), -1, dtype=np.intp)
         offset = np.zeros((count, 3))
-        following, preceding = np.arange(count), np.arange(count)
-        for i in range(contacts.count):
-            own = np.arange(contacts.start[i], contacts.start[i + 1])
-            following[own], preceding[own] = np.roll(own, -1), np.roll(own, 1)
+        for i, own in enumerate(contacts.corners):
             pair = int(contacts.block_a[i]), int(contacts.block_b[i])
             near = NEAR * float(model.assembly.size[list(pair)].min())
-            for k in own.tolist():
+            for k in range(own.start, own.stop):
                 point = contacts.point[k]
                 for side, block in enumerate(pair):
-                    some = np.arange(bodies.start[block], bodies.start[block + 1])
+                    some = bodies.of_block[block]
                     away = np.linalg.norm(bodies.vertex[some] - point, axis=1)
                     if away.min() <= near:
-                        at[k, side] = some[int(np.argmin(away))]
+                        at[k, side] = some.start + int(np.argmin(away))
                 if (at[k] < 0).all():
                     found = _crossing(bodies, pair, point, contacts.frame[i, 0], near)
                     if found is None:
@@ -94,8 +89,8 @@ class Corners:
                         )
                     edges[0, k], edges[1, k] = found
         made = cls(
-            at, edges[0], edges[1], offset, contacts.interface, contacts.frame,
-            np.ones(contacts.count), following, preceding,
+            at, edges[0], edges[1], offset, contacts.corners, contacts.frame,
+            np.ones(contacts.count),
         )  # fmt: skip
         normal, _ = made._normals(contacts.point)
         made.turn[dot(normal, contacts.frame[:, 0]) < 0.0] = -1.0
@@ -136,8 +131,9 @@ class Corners:
         by_normal -= dot(by_normal, n)[:, None] * n
         by_area = np.where(plane[:, None], by_normal / np.where(plane, size, 1.0)[:, None], 0.0)
         by_area *= self.turn[:, None]
-        across = point[self.following] - point[self.preceding]
-        return 0.5 * cross(across, by_area[self.interface])
+        following = self.joint.following
+        across = point[following] - point[np.argsort(following)]
+        return 0.5 * cross(across, self.joint.spread(by_area))
 
     def points_pulled_back(self, vertex: Floats, by_point: Floats) -> Floats:
         """Derivative (v, 3) by the vertices, from that by the corners (k, 3)."""
@@ -185,11 +181,8 @@ class Corners:
 
     def _normals(self, point: Floats) -> tuple[Floats, Floats]:
         """Area vectors (m, 3) of the interfaces, along the normals as found, and sizes (m,)."""
-        part = 0.5 * cross(point, point[self.following])
-        normal = np.stack(
-            [np.bincount(self.interface, row, minlength=len(self.frame)) for row in part.T], axis=1
-        )
-        normal[np.bincount(self.interface, minlength=len(self.frame)) < 3] = 0.0
+        normal = self.joint.sum(0.5 * cross(point, point[self.joint.following]))
+        normal[self.joint.counts < 3] = 0.0
         return normal * self.turn[:, None], np.linalg.norm(normal, axis=1)
 
 
@@ -209,7 +202,7 @@ def _edges_at(
     bodies: BlockVertices, block: int, point: Floats, normal: Floats, near: float
 ) -> Iterator[tuple[Ints, Floats]]:
     """Edges of a block through a point and in the plane of a joint, and their directions."""
-    start = bodies.start[block]
+    start = bodies.of_block[block].start
     for i, j in edges_of(bodies.assembly.blocks[block].faces):
         p, q = bodies.vertex[start + i], bodies.vertex[start + j]
         length = float(np.linalg.norm(q - p))

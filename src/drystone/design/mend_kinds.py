@@ -166,7 +166,8 @@ def _joints(asked: KnownNeeds, kind: str) -> Proposals:
 def _thicker(asked: KnownNeeds) -> Proposals:
     """Thicker blocks of the region; where that does not hold the whole, all blocks.
 
-    Members are of one thickness, as piers below a ring are: each is tried alone, too.
+    Members are of one thickness but for the least increase that is tried, as piers below a ring
+    are: each is tried alone, too.
     """
     bench = asked.bench
     own = [i for i in bench.own if not bench.kept([i])]
@@ -180,38 +181,36 @@ def _thicker(asked: KnownNeeds) -> Proposals:
     def region(which: Ints, _: Model, blocks: Ints) -> tuple[list[int], Floats]:
         return blocks[np.array(own)[which]].tolist(), axes[which]
 
-    def every(model: Model, blocks: Ints) -> tuple[list[int], Floats]:
-        most = np.linalg.svd(axes)[2][0] if axes.any() else np.zeros(3)
-        about = np.tile(most, (len(model), 1))
-        about[blocks[own]] = axes
-        free = model.assembly.free.tolist()
-        ends = set(np.flatnonzero(model.assembly.fixed).tolist()) - {laid_ground(model.assembly)}
-        some = free + sorted(ends)
-        thick = lengths(thickness_of(model, some, about[some])[1])
-        wide = 1.01 * thick[: len(free)].max()
-        grown = free + [i for i, own in zip(some, thick, strict=True) if own < wide][len(free) :]
-        return grown, about[grown]
+    def tries(grown: _Grown, why: str) -> Tries:
+        make, words = partial(_thickened, grown), partial(_thicker_words, bench, grown)
+        return Tries([Change("thicker", make, words, _SHARES, 0.02)], why)
 
     why = f"{listed([f'{100.0 * share:g}' for share in _SHARES])} % more thickness"
     thick = lengths(thickness_of(bench.local, own, axes)[1])
     order = np.argsort(thick, kind="stable")
-    ends = np.flatnonzero(np.diff(thick[order]) > _OTHER * thick[order][:-1]) + 1
-    members = np.split(order, ends) if 0 < len(ends) < SMALL_REGION else []
-    alone: list[_Grown] = [partial(region, np.sort(some)) for some in members]
-    together: list[_Grown] = [partial(region, np.arange(len(own)))]
-    for grown in alone:
-        make, words = partial(_thickened, grown), partial(_thicker_words, bench, grown)
-        yield Tries([Change("thicker", make, words, _SHARES, 0.02)], "")
-    for grown in together if bench.keep else [*together, every]:
-        failed = len(bench.tried)
-        make, words = partial(_thickened, grown), partial(_thicker_words, bench, grown)
-        yield Tries([Change("thicker", make, words, _SHARES, 0.02)], why)
-        if len(bench.tried) == failed:
-            return
+    ends = np.flatnonzero(np.diff(thick[order]) > _SHARES[0] * thick[order][:-1]) + 1
+    for some in np.split(order, ends) if 0 < len(ends) < SMALL_REGION else ():
+        yield tries(partial(region, np.sort(some)), "")
+    failed = len(bench.tried)
+    yield tries(partial(region, np.arange(len(own))), why)
+    if len(bench.tried) > failed and not bench.keep:
+        yield tries(partial(_all_thicker, own, axes), why)
 
 
-_OTHER = 0.1
-"""Members differ in thickness by more than this share. Chosen."""
+def _all_thicker(
+    own: list[int], axes: Floats, model: Model, blocks: Ints
+) -> tuple[list[int], Floats]:
+    """All free blocks, and supports no thicker than these, with the axes about which they turn."""
+    most = np.linalg.svd(axes)[2][0] if axes.any() else np.zeros(3)
+    about = np.tile(most, (len(model), 1))
+    about[blocks[own]] = axes
+    free = model.assembly.free.tolist()
+    ends = set(np.flatnonzero(model.assembly.fixed).tolist()) - {laid_ground(model.assembly)}
+    some = free + sorted(ends)
+    thick = lengths(thickness_of(model, some, about[some])[1])
+    wide = 1.01 * thick[: len(free)].max()
+    grown = [i for i, far in zip(some, thick, strict=True) if far < wide]
+    return grown, about[grown]
 
 
 _Grown: TypeAlias = Callable[[Model, Ints], tuple[list[int], Floats]]

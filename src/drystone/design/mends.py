@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
+from itertools import chain
 from typing import Any, Unpack
 
 import numpy as np
@@ -234,7 +235,7 @@ class Mends(Answer):
         failed = [Sentence(self._failed(), Role.REMARK)] if self.tried else []
         near = [f"less than the margin: {one.less}" for _, one in self.tried if one.less]
         failed += [Sentence(text, Role.REMARK) for text in near]
-        mends = [Sentence(text) for text in self._listed(alike=False)]
+        mends = [Sentence(text) for text in self._told()]
         only = {region.sentence: self._only(region) for region in self.diagnosis.regions}
         reasons = [one for one in reasons if one.text not in (self.message, NOTHING)]
         reasons = [replace(one, text=one.text + only.get(one.text, "")) for one in reasons]
@@ -251,15 +252,10 @@ class Mends(Answer):
         only = {one.kind: f"{one.kind}: {one.only}" for one in tried if one.only}
         return f" ({'; '.join(only.values())})" if only else ""
 
-    def _listed(self, *, alike: bool = True) -> list[str]:
-        """A line for each mend; where several regions fall and it has no name, that of each.
-
-        Without those that are like one before them, of the same kind in other joints, which the
-        line of the first tells.
-        """
+    def _listed(self) -> list[str]:
+        """A line for each mend; where several regions fall and it has no name, that of each."""
         several = len({one.change.blocks for one in self.mends}) > 1
-        lines: dict[int, str] = {}
-        like: dict[tuple[Any, ...], list[int]] = {}
+        lines = []
         for number, one in enumerate(self.mends, 1):
             kept, result = one.change, one.result
             of = f", of {kept.whose}" if several and kept.whose else ""
@@ -267,24 +263,33 @@ class Mends(Answer):
             if result.tilt_margin is not None:
                 tilt = rounded_down(result.tilt_margin, 2)
                 told += f", margin: {tilt:g} degrees of tilt" if tilt >= 0.1 else ", no margin"
-            lines[number] = f"mend {number}{of}: {kept.description} ({told})"
+            lines.append(f"mend {number}{of}: {kept.description} ({told})")
+        return lines
+
+    def _alike(self) -> list[list[int]]:
+        """Positions of the mends; together those that are alike, of one kind in other joints."""
+        like: dict[tuple[Any, ...], list[int]] = {}
+        for i, one in enumerate(self.mends):
+            kept = one.change
             size = kept.joints, kept.added
             key = (kept.blocks, kept.kind, size, kept.jams > 0.0, one.stands)
-            like.setdefault(key if any(size) else (number,), []).append(number)
-        if alike:
-            return list(lines.values())
-        for first, *others in like.values():
-            for number in others:
-                del lines[number]
+            like.setdefault(key if any(size) else (i,), []).append(i)
+        return list(like.values())
+
+    def _told(self) -> list[str]:
+        """The lines of those that are not like one before them, with the numbers of those."""
+        lines = self._listed()
+        for first, *others in self._alike():
             if others:
                 what = "is mend" if len(others) == 1 else "are mends"
-                lines[first] += f"; like it {what} {listed([str(x) for x in others])}, elsewhere"
-        return list(lines.values())
+                numbers = listed([f"{i + 1}" for i in others])
+                lines[first] += f"; like it {what} {numbers}, elsewhere"
+        return [lines[first] for first, *_ in self._alike()]
 
     def failures(self) -> list[str]:
         """A line for each mend that is like another one, and for each that was tried in vain."""
-        told = self._listed(alike=False)
-        more = [text for text in self._listed() if not any(one.startswith(text) for one in told)]
+        lines, others = self._listed(), chain.from_iterable(some[1:] for some in self._alike())
+        more = [lines[i] for i in sorted(others)]
         return more + [f"{named(blocks)}: {one.kind}: {one.what}" for blocks, one in self.tried]
 
     def _failed(self) -> str:

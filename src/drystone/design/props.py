@@ -361,11 +361,11 @@ _RAKED = 3.0
 
 def _pressed(model: Model, part: FreePart) -> bool:
     """Whether earth or fill lies on a part of a face."""
-    surface = model.load.surface
+    surface, near = model.load.surface, 1e-3 * model.assembly.size[part.block]
     if surface is None:
         return False
-    off = (surface.point[surface.block == part.block] - part.middle) @ part.normal
-    return bool((np.abs(off).max(axis=1) < 1e-3 * model.assembly.size[part.block]).any())
+    offset = np.array([part.middle @ part.normal])
+    return bool(surface.lies_on(part.block, part.normal[None], offset, near)[0])
 
 
 def _ranked(

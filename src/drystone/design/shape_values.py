@@ -157,7 +157,7 @@ class ShapeValues:
             )
             return float(volume.sum()), self.pulled_back(by_vertex)
         block = int(self.model.assembly.indices([self.options.block])[0])
-        own = self.bodies.owner == block
+        own = self.bodies.of_block.owner == block
         along = unit(np.asarray(self.options.reach, dtype=np.float64), "the reach")
         by_vertex = np.where(own[:, None], -along / own.sum(), 0.0)
         return float((by_vertex * vertex).sum()), self.pulled_back(by_vertex)
@@ -190,13 +190,9 @@ class ShapeValues:
     @cached_property
     def moving(self) -> Ints:
         """The edges (e, 2) of all blocks whose length changes with a variable."""
-        matrix, starts = self.moves.matrix_at(np.zeros(self.moves.count)), self.bodies.start
-        edges = np.concatenate(
-            [
-                starts[i] + edges_of(block.faces)
-                for i, block in enumerate(self.model.assembly.blocks)
-            ]
-        )
+        matrix = self.moves.matrix_at(np.zeros(self.moves.count))
+        pairs = zip(self.bodies.of_block.first, self.model.assembly.blocks, strict=True)
+        edges = np.concatenate([first + edges_of(block.faces) for first, block in pairs])
         changes = np.zeros(len(edges), dtype=bool)
         for axis in range(3):
             both = matrix[3 * edges[:, 0] + axis] - matrix[3 * edges[:, 1] + axis]

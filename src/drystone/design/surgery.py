@@ -248,8 +248,7 @@ def free_sides(model: Model, blocks: Sequence[int], pairs: Sequence[list[int]]) 
         return sides
     planes = [face_planes(model.assembly.blocks[i]) for i in blocks]
     for at, (i, (normal, offset)) in enumerate(zip(blocks, planes, strict=True)):
-        line = surface.point[surface.block == i].reshape(-1, 3)
-        pressed = (np.abs(line @ normal.T - offset) < 1e-3 * model.assembly.size[i]).any(axis=0)
+        pressed = surface.lies_on(i, normal, offset, 1e-3 * model.assembly.size[i])
         sides[at] = [k for k in pairs[at] if not pressed[k]] or pairs[at]
     one = [at for at, faces in enumerate(sides) if len(faces) == 1]
     if 2 * len(one) <= len(blocks):

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy import sparse
@@ -16,7 +17,7 @@ from scipy.spatial import cKDTree
 from drystone.assembly import Assembly, Block, replace_block
 from drystone.base.arrays import SAME, Bools, Floats, Ints, cross, dot, marked
 from drystone.base.errors import InputError
-from drystone.base.ragged import Ragged, linked
+from drystone.base.ragged import Ragged, linked, sum_by_owner
 from drystone.geometry.selfcontact import self_contacts
 from drystone.model import Model
 
@@ -284,21 +285,13 @@ class BlockVertices:
     Attributes
     ----------
     assembly
-    vertex : (v, 3) [m] of all blocks, one after the other
-    start : (n + 1,) where those of each block begin
-    owner : (v,) the block of each vertex
     triangle : (t, 3) points of the triangles of all faces: fans about the means of their corners
-    triangle_owner : (t,)
     mean : (v + f, v) the points of the triangles: the vertices, and the means of faces with more
         than three corners
     """
 
     assembly: Assembly
-    vertex: Floats
-    start: Ints
-    owner: Ints
     triangle: Ints
-    triangle_owner: Ints
     mean: sparse.csr_matrix
 
     @classmethod
@@ -308,16 +301,26 @@ class BlockVertices:
         total, loop = len(faces.point), faces.loop
         share = 1.0 / corners.counts[corners.owner]
         means = sparse.csr_matrix((share, loop, faces.start), (faces.count, total))
-        blocks = Ragged.of([block.vertices for block in assembly.blocks])
         return cls(
             assembly,
-            faces.point,
-            blocks.start,
-            blocks.owner,
             np.stack([total + corners.owner, loop, loop[corners.following]], axis=1),
-            faces.owner[corners.owner],
             sparse.csr_matrix(sparse.vstack([sparse.identity(total), means])),
         )
+
+    @property
+    def vertex(self) -> Floats:
+        """(v, 3) [m] of all blocks, one after the other."""
+        return self.assembly.faces.point
+
+    @cached_property
+    def of_block(self) -> Ragged:
+        """The vertices of each block."""
+        return Ragged.of([block.vertices for block in self.assembly.blocks])
+
+    @cached_property
+    def _triangle_owner(self) -> Ints:
+        faces = self.assembly.faces
+        return faces.owner[faces.corners.owner]
 
     def assembly_at(self, vertex: Floats) -> Assembly:
         """The assembly with its vertices (v, 3) elsewhere; blocks that do not move stay.
@@ -330,7 +333,7 @@ class BlockVertices:
         blocks = list(self.assembly.blocks)
         moved = []
         for i, block in enumerate(blocks):
-            own = vertex[self.start[i] : self.start[i + 1]]
+            own = vertex[self.of_block[i]]
             if not np.array_equal(own, block.vertices):
                 blocks[i] = replace_block(block, vertices=own, repairs=())
                 if blocks[i].faces != block.faces:
@@ -353,12 +356,9 @@ class BlockVertices:
     def measures(self, vertex: Floats) -> tuple[Floats, Floats]:
         """Volumes (n,) [m3] and centroids (n, 3) [m] for vertices (v, 3)."""
         six, total, middle = self._tetrahedra(vertex)[3:]
-        count = len(self.start) - 1
-        volume = np.bincount(self.triangle_owner, six, minlength=count) / 6.0
-        moment = np.stack(
-            [np.bincount(self.triangle_owner, row, minlength=count) for row in (six * total.T)],
-            axis=1,
-        )
+        owner, count = self._triangle_owner, len(self.assembly)
+        volume = np.bincount(owner, six, minlength=count) / 6.0
+        moment = sum_by_owner(six[:, None] * total, owner, count)
         return volume, middle + moment / (24.0 * volume[:, None])
 
     def measures_pulled_back(
@@ -369,8 +369,8 @@ class BlockVertices:
         volume, centroid = self.measures(vertex)
         by_moment = by_centroid / volume[:, None]
         rest = by_volume - dot(by_moment, centroid - middle)
-        moment = by_moment[self.triangle_owner]
-        along = rest[self.triangle_owner] / 6.0 + dot(moment, total) / 24.0
+        moment = by_moment[self._triangle_owner]
+        along = rest[self._triangle_owner] / 6.0 + dot(moment, total) / 24.0
         shared = moment * (six / 24.0)[:, None]
         out = np.zeros((self.mean.shape[0], 3))
         for k, (one, other) in enumerate(((b, c), (c, a), (a, b))):
@@ -380,7 +380,7 @@ class BlockVertices:
 
     def _tetrahedra(self, vertex: Floats) -> tuple[Floats, Floats, Floats, Floats, Floats, Floats]:
         """Corners of the triangles about the middle of their block, six volumes, sums, middles."""
-        middle = np.add.reduceat(vertex, self.start[:-1], axis=0) / np.diff(self.start)[:, None]
-        local = self.mean @ (vertex - middle[self.owner])
+        middle = self.of_block.mean(vertex)
+        local = self.mean @ (vertex - self.of_block.spread(middle))
         a, b, c = (local[self.triangle[:, k]] for k in range(3))
         return a, b, c, dot(a, cross(b, c)), a + b + c, middle

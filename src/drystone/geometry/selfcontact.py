@@ -37,14 +37,12 @@ class _Surface:
     ----------
     faces
     number : (f,) of each face in its body
-    vertex_body : (v,)
-    first_vertex : to number vertices like the caller, per body
+    vertices : of each body
     """
 
     faces: Faces
     number: Ints
-    vertex_body: Ints
-    first_vertex: Ints
+    vertices: Ragged
 
     def of_faces(self, keep: Bools) -> _Surface:
         """Some of the faces (f,)."""
@@ -146,9 +144,8 @@ def _surface(vertices: Sequence[Floats], faces: Sequence[Sequence[Loop]]) -> _Su
         low, high = points.min(axis=0), points.max(axis=0)
         placed.append((points - low) / np.linalg.norm(high - low) + np.array([2.0 * i, 0.0, 0.0]))
     stacked = stack_faces(placed, faces)
-    of_body = Ragged.of(vertices)
     number = np.arange(stacked.count) - Ragged.of(faces).spread(Ragged.of(faces).first)
-    return _Surface(stacked, number, of_body.owner, of_body.first)
+    return _Surface(stacked, number, Ragged.of(vertices))
 
 
 def _may_touch(surface: _Surface) -> Bools:
@@ -265,7 +262,7 @@ def _pierced_faces(surface: _Surface) -> Iterator[_Finding]:
         inside = _inside(surface, point, face, margin)
         for e, f in zip(edge[inside].tolist(), face[inside].tolist(), strict=True):
             body = int(surface.faces.owner[f])
-            a, b = (surface.edge[e] - surface.first_vertex[body]).tolist()
+            a, b = (surface.edge[e] - surface.vertices.first[body]).tolist()
             yield body, f"crosses itself: edge {a}-{b} goes through face {surface.number[f]}"
 
 
@@ -299,7 +296,7 @@ def _touching_vertices(surface: _Surface) -> Iterator[_Finding]:
         for v, f in zip(vertex[on].tolist(), face[on].tolist(), strict=True):
             if not _short_edge(surface, v, f, joined):
                 body = int(surface.faces.owner[f])
-                own = v - surface.first_vertex[body]
+                own = v - surface.vertices.first[body]
                 yield body, f"touches itself: vertex {own} lies on face {surface.number[f]}"
 
 
@@ -341,9 +338,9 @@ def _touching_edges(surface: _Surface) -> Iterator[_Finding]:
             & (t < 1.0 - margin_t)
         )
         for i, j in zip(first[hit].tolist(), second[hit].tolist(), strict=True):
-            body = int(surface.vertex_body[surface.edge[i, 0]])
-            a, b = (surface.edge[i] - surface.first_vertex[body]).tolist()
-            c, d_ = (surface.edge[j] - surface.first_vertex[body]).tolist()
+            body = int(surface.vertices.owner[surface.edge[i, 0]])
+            a, b = (surface.edge[i] - surface.vertices.first[body]).tolist()
+            c, d_ = (surface.edge[j] - surface.vertices.first[body]).tolist()
             yield body, f"touches itself: edges {a}-{b} and {c}-{d_} cross"
 
 

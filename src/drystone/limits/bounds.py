@@ -485,7 +485,7 @@ class Crossing:
         With the place [m] come stretches (s, 2) [m] of the line load from which it is descended.
         """
         place, lines = asked
-        return min((self._placed(place, one, lines) for one in self.train.ways), key=_factor)
+        return min((self._placed(place, one, lines) for one in self.train.ways), key=factor_of)
 
     def lines(self, count: int) -> list[list[Floats]]:
         """For each of some places stretches of the line load to begin with.
@@ -549,9 +549,9 @@ class Crossing:
 
         starts = [at.on(one) for one in lines]
         acting = [one for one in starts if at.load(one).wrench[free].any()]
-        best = min((self._descended(under, each) for each in acting or starts), key=_factor)
+        best = min((self._descended(under, each) for each in acting or starts), key=factor_of)
         while moved := _moved(best.adverse):
-            one = min((self._descended(under, each) for each in moved), key=_factor)
+            one = min((self._descended(under, each) for each in moved), key=factor_of)
             if not _less(one, best):
                 break
             best = one
@@ -610,7 +610,8 @@ class Crossing:
         return load if acts is None else load + acts
 
 
-def _factor(one: PlacedTrain) -> float:
+def factor_of(one: PlacedTrain) -> float:
+    """For the least one."""
     return one.factor
 
 

@@ -21,7 +21,7 @@ from drystone.base.table import Table
 from drystone.base.units import quantity
 from drystone.base.workers import WorkerPool
 from drystone.io.opening import Given, LongHow, supported_model
-from drystone.limits.bounds import Crossing, PlacedTrain
+from drystone.limits.bounds import Crossing, PlacedTrain, factor_of
 from drystone.limits.limit_answer import Limit
 from drystone.limits.limit_types import LimitOptions
 from drystone.limits.limits import limit_load
@@ -594,7 +594,7 @@ def _placed(
         least = np.inf
         while asked:
             for one in pool.answers(crossing, asked, clock.late):
-                found[one.at.place] = min(one, found.get(one.at.place, one), key=_factor)
+                found[one.at.place] = min(one, found.get(one.at.place, one), key=factor_of)
                 clock.tell("places", min(len(found), len(places)), len(places))
             every = list(found.values())
             if clock.late() or not 0.0 < _least(every) < np.inf:
@@ -609,10 +609,6 @@ def _range(values: Floats) -> str:
     """The least and the largest, or the one."""
     low, high = (f"{each:.3g}" for each in (values.min(), values.max()))
     return high if low == high else f"{low} to {high}"
-
-
-def _factor(one: PlacedTrain) -> float:
-    return one.factor
 
 
 def _least(found: Sequence[PlacedTrain]) -> float:

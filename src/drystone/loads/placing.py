@@ -14,7 +14,17 @@ from typing import Any
 import numpy as np
 
 from drystone.assembly import Assembly, Block
-from drystone.base.arrays import SAME, Floats, Ints, frozen, frozen_floats, lengths, places, whole
+from drystone.base.arrays import (
+    SAME,
+    Bools,
+    Floats,
+    Ints,
+    frozen,
+    frozen_floats,
+    lengths,
+    places,
+    whole,
+)
 from drystone.base.display import OneLine, shortened
 from drystone.base.errors import InputError
 from drystone.base.units import mass
@@ -251,6 +261,11 @@ class SurfaceLoad(OneLine):
         for key in map(tuple, np.column_stack([self.block, ends]).tolist()):
             yield *key, times[key]  # a side of two triangles has two lines
             times[key] += 1
+
+    def lies_on(self, block: int, normal: Floats, offset: Floats, near: float) -> Bools:
+        """Whether a line of it on a block is in each plane: normals (f, 3), offsets (f,) [m]."""
+        off = np.abs(self.point[self.block == block] @ normal.T - offset)
+        return np.asarray((off.max(axis=1) < near).any(axis=0))
 
     def by(self, factor: float) -> SurfaceLoad:
         """With its tractions multiplied."""

@@ -32,7 +32,8 @@ _STATES = {
 
 STATE_LABEL = {state: words for state, (words, *_) in _STATES.items()}
 STATE_COLOUR = {
-    theme: {state: one[i] for state, one in _STATES.items()} for i, theme in enumerate(_THEMES, 1)
+    theme: {state: colours[i] for state, (_, *colours) in _STATES.items()}
+    for i, theme in enumerate(_THEMES)
 }
 
 _ROLES = {
