@@ -11,6 +11,7 @@ import shapely
 from drystone.base.arrays import Floats, frozen
 from drystone.base.display import OneLine
 from drystone.geometry.frames import area_vector, frames_from_normals
+from drystone.geometry.planar import inside
 from drystone.model import Model
 
 NEAR = 0.01
@@ -64,10 +65,7 @@ class FreePart(OneLine):
     @property
     def inside(self) -> Floats:
         """The same in u and v (2,)."""
-        centre = self.shape.centroid
-        if not self.shape.contains(centre):
-            centre = shapely.get_point(shapely.maximum_inscribed_circle(self.shape), 0)
-        return np.array(centre.coords[0])
+        return inside(self.shape, np.array(self.shape.centroid.coords[0]))
 
     @property
     def outline(self) -> Floats:

@@ -202,15 +202,14 @@ class DesignMargin(Options):
         beside = load.wrench - own - load.weight_of_masses.wrench
         if np.abs(beside[free]).max() <= ROUNDING * np.abs(load.wrench[free]).max():
             return "its weight", self.load * load
-        shake, more = self.load * load.shake, self.load - 1.0
+        more = self.load - 1.0
         return "what loads it beside its weight", replace(
-            load,
+            self.load * load,
+            name=load.name,
             wrench=load.wrench + more * beside,
             acceleration=load.acceleration + more * load.shake,
+            fills=load.fills,
             masses=tuple(replace(one, shake=self.load * one.shake) for one in load.masses),
-            shake=shake,
-            given=None if load.given is None else self.load * load.given,
-            each=tuple(one.by(self.load) for one in load.each),
         )
 
     def case_of(self, result: Result, model: Model) -> str:

@@ -49,6 +49,13 @@ def regions(corner: Floats, ring_start: Ints, ring_region: Ints) -> Regions:
     return valid(polygons)
 
 
+def inside(shape: Any, middle: Floats) -> Floats:
+    """A point (2,) of a polygon: its middle, or where it is widest if that lies beside it."""
+    if shape.contains(shapely.Point(middle)):
+        return middle
+    return np.array(shapely.get_point(shapely.maximum_inscribed_circle(shape), 0).coords[0])
+
+
 def valid(shapes: Regions) -> Regions:
     """The same shapes; those that cross themselves are replaced by the area that they cover."""
     bad = np.flatnonzero(~shapely.is_valid(shapes))

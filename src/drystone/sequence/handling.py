@@ -27,6 +27,7 @@ from drystone.base.table import Table
 from drystone.base.workers import WorkerPool
 from drystone.detection.patches import Patches, patches_of
 from drystone.geometry.frames import frames_from_normals
+from drystone.geometry.planar import inside
 from drystone.model import Model
 from drystone.sequence.freedom import FACING, Joints
 from drystone.sequence.margins import Margin, Margins
@@ -106,11 +107,7 @@ def _on_face(flat: Patches, patch: int) -> Floats:
         for k in range(first, end)
     ]
     shape = shapely.normalize(shapely.Polygon(rings[0], rings[1:]))
-    if shape.contains(shapely.Point(0.0, 0.0)):
-        return centre
-    widest = shapely.get_point(shapely.maximum_inscribed_circle(shape), 0)
-    inside: Floats = centre + np.array(widest.coords[0]) @ frame
-    return inside
+    return np.asarray(centre + inside(shape, np.zeros(2)) @ frame)
 
 
 def grip_pairs(grips: Sequence[GripFace]) -> list[tuple[int, int, float]]:

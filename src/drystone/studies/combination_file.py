@@ -248,11 +248,7 @@ def read_combinations(path: PathLike, model: Model) -> list[Combination]:
     every = _situations(top, standard)
     situations = _chosen(top, every)
     actions = tuple(
-        replace(
-            _action(name, one, model, standard),
-            factors=_own_factors(one, standard, every, situations),
-        )
-        for name, one in top["case"].items()
+        _action(name, one, model, standard, every, situations) for name, one in top["case"].items()
     )
     _refuse_missing_load(top["case"], actions, model)
     _refuse_without_situation(top, actions, situations)
@@ -434,9 +430,12 @@ def _factors(one: Field) -> tuple[float, float]:
 
 
 def _own_factors(
-    one: Field, standard: Field, every: Mapping[str, Situation], chosen: Sequence[Situation]
+    one: Field, known: Field, every: Mapping[str, Situation], chosen: Sequence[Situation]
 ) -> dict[str, tuple[float, float]]:
-    """Factors of a case, or of its category: a pair is for all situations with partial factors."""
+    """Factors of a case, or of what is known of its category.
+
+    A pair is for all situations with partial factors.
+    """
     variable = one["kind"].text() == "variable"
     theirs = {by.name: (by.leading[0], 1.0) if variable else by.permanent for by in chosen}
     partial = {name: pair for name, pair in theirs.items() if pair[0] > 1.0 or pair[1] < 1.0}
@@ -447,7 +446,6 @@ def _own_factors(
             _refuse_unless_alike(own, partial)
         return dict.fromkeys(partial, pair)
     own.only(every)
-    known = _with_psi(one, standard) if variable else one
     found = dict.fromkeys(partial, (known["factor"].number(), 0.0)) if known.has("factor") else {}
     return found | {name: _factors(pair) for name, pair in own.items()}
 
@@ -466,7 +464,14 @@ def _refuse_unless_alike(own: Field, partial: Mapping[str, tuple[float, float]])
     )
 
 
-def _action(name: str, one: Field, model: Model, standard: Field) -> Action:
+def _action(
+    name: str,
+    one: Field,
+    model: Model,
+    standard: Field,
+    every: Mapping[str, Situation],
+    chosen: Sequence[Situation],
+) -> Action:
     one.only((*_OWN, "load", "shaken", "blocks", "psi", "category", "factors"))
     kind = one["kind"]
     if kind.text() not in _KINDS:
@@ -474,16 +479,20 @@ def _action(name: str, one: Field, model: Model, standard: Field) -> Action:
     _refuse_of_others(one, kind.text())
     parts = _parts(name, one, model)
     load = LoadCase.combine([(1.0, part) for part in parts], name)
-    psi, together, beside = (1.0, 1.0, 1.0), "", 1.0
-    if kind.text() == "variable":
-        known = _with_psi(one, standard)
-        psi = _psi(known["psi"])
-        together = one.get("together", known.get("together", "").value).text()
-        if known is not one:
-            beside = known.get("beside", 1.0).number()
-    reversible = one.get("reversible", False).boolean()
-    acts = _group(one, standard), together, beside, reversible, tuple(parts)
-    return Action(name, kind.text(), load, psi, {}, *acts)
+    variable = kind.text() == "variable"
+    known = _with_psi(one, standard) if variable else one
+    return Action(
+        name,
+        kind.text(),
+        load,
+        _psi(known["psi"]) if variable else (1.0, 1.0, 1.0),
+        _own_factors(one, known, every, chosen),
+        _group(one, standard),
+        one.get("together", known.get("together", "").value).text(),
+        known.get("beside", 1.0).number(),
+        one.get("reversible", False).boolean(),
+        tuple(parts),
+    )
 
 
 def _group(one: Field, standard: Field) -> str:

@@ -754,3 +754,14 @@ def test_of_many_props_the_largest_are_told_and_each_one_pushes() -> None:
     forces = [row["force"] for row in found.result.reactions() if "prop" in row["support"]]
     assert len(forces) == found.change.added
     assert min(np.linalg.norm(one) for one in forces) > 0.0
+
+
+def test_a_margin_of_loads_multiplies_the_pressure_that_is_drawn_with_them() -> None:
+    blocks = tower(2)
+    wind = LoadCase.surface_load(blocks, 1, (2000.0, 0.0, 0.0), facing=(-1, 0, 0))
+    model = Model.of(blocks, friction=0.6, load=LoadCase.gravity(blocks) + wind)
+    (case,) = DesignMargin(load=1.5).cases(model)
+    drawn, given = case.load.surface, model.load.surface
+    assert drawn is not None and given is not None
+    np.testing.assert_allclose(drawn.traction, 1.5 * given.traction)
+    np.testing.assert_allclose(case.load.wrench[1, [0, 2]], [3000.0, -23544.0])
