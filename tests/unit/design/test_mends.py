@@ -762,6 +762,7 @@ def test_a_margin_of_loads_multiplies_the_pressure_that_is_drawn_with_them() -> 
     model = Model.of(blocks, friction=0.6, load=LoadCase.gravity(blocks) + wind)
     (case,) = DesignMargin(load=1.5).cases(model)
     drawn, given = case.load.surface, model.load.surface
-    assert drawn is not None and given is not None
+    assert drawn is not None
+    assert given is not None
     np.testing.assert_allclose(drawn.traction, 1.5 * given.traction)
     np.testing.assert_allclose(case.load.wrench[1, [0, 2]], [3000.0, -23544.0])

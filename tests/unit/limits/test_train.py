@@ -85,7 +85,7 @@ def test_fill_of_the_load_is_that_of_the_train(bridge: Model) -> None:
 def test_what_fill_resists_helps_and_is_bounded(bridge: Model) -> None:
     quick = LimitOptions(equilibrium_only=True)
     factors = []
-    for passive in (0.0, 0.5, 2.0, 100.0):
+    for passive in (0.0, 0.5, 2.0, 15.0):
         fill = replace(FILL, k=0.2, passive=passive)
         found = limit_train(bridge, fill=fill, steps=3, options=quick)
         assert found.proven
