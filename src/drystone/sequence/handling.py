@@ -398,8 +398,7 @@ def handling(
         margin = None if margins is None else margins.stages[number]
         placements.append(_placed(plan, number, block, arm, found, grips, margin))
         if block != step.blocks[-1]:
-            wrench = [a.reaction[block] for a in step.during if block in a.reaction]
-            most = max(wrench, key=lambda w: float(np.linalg.norm(w[:3])), default=np.zeros(6))
+            most = step.hold(block)
             last = model.assembly.names[step.blocks[-1]]
             holds.append(Hold(body.name, robot, last, most[:3], most[3:]))
     return Handling(plan, team, tuple(placements), tuple(holds), tuple(notes), scaffolding)

@@ -77,6 +77,14 @@ class Step(OneLine):
         propped = f", propped {self.props}" if self.props else ""
         return f"blocks {self.blocks}{propped}, {self.answer.verdict}"
 
+    def hold(self, block: int) -> Floats:
+        """The largest force and moment (6,) [N, N m] that hold a block, about its centroid.
+
+        Zero of the last block, and where the hand gives nothing; less may hold it too.
+        """
+        wrench = [a.reaction[block] for a in self.during if block in a.reaction]
+        return max(wrench, key=lambda w: float(np.linalg.norm(w[:3])), default=np.zeros(6))
+
 
 @dataclass(frozen=True, eq=False)
 class Prop(OneLine):

@@ -32,7 +32,9 @@ from drystone.sequence.stages import StageAnswer, members
 _REASONS = 3
 """Steps whose need of help, or margin of zero, is told in sentences; the numbers have all."""
 
-_SILENT = "with", "robot", "prop_force", "prop_set", "prop_stages", "propped_now", "margin"
+_SILENT = (
+    "with", "robot", "hold_force", "prop_force", "prop_set", "prop_stages", "propped_now", "margin",
+)  # fmt: skip
 _COLUMNS = ("step", "block", "status", *_SILENT[:-1], "friction_used", "margin")
 """Of the table of a plan, and those that are hidden where they say nothing."""
 
@@ -311,10 +313,10 @@ class Plan(PlannedSteps, Answer):
     def table(self) -> Table:
         """A row per block in the order of assembly.
 
-        Its step, status, partners, the robot that places or holds it, the force of its prop,
-        the step in which it is set and the stages for which it stays, how many props
-        stand, the friction used after the step, and whether the margin is zero then. Columns that
-        say nothing are hidden.
+        Its step, status, partners, the robot that places or holds it, the largest force of the
+        hand that holds it for a partner, that of its prop, the step in which this is set and the
+        stages for which it stays, how many props stand, the friction used after the step, and
+        whether the margin is zero then. Columns that say nothing are hidden.
         """
         team = self.rules.robots
         robot = {b: team[k].name for b, k in assigned(self, team).items()}
@@ -322,14 +324,16 @@ class Plan(PlannedSteps, Answer):
         rows = [self._row(b, robot.get(b, ""), prop.get(b)) for b in self.step_of]
         columns = {key: [row[i] for row in rows] for i, key in enumerate(_COLUMNS)}
         silent = [key for key in _SILENT if not any(columns[key])]
-        return Table("assembly plan", columns, {"prop_force": "N"}, hidden=silent)
+        units = {"hold_force": "N", "prop_force": "N"}
+        return Table("assembly plan", columns, units, hidden=silent)
 
     def _row(self, block: int, robot: str, prop: Prop | None) -> tuple[Any, ...]:
         number, names = self.step_of[block], self.model.assembly.names
         step, partners = self.steps[number], " ".join(names[p] for p in self.partners(block))
         return (
             number + 1, names[block], self.status[block].value, partners, robot,
-            prop.force if prop else 0.0, prop.first + 1 if prop else 0, prop.stages if prop else 0,
+            float(np.linalg.norm(step.hold(block)[:3])), prop.force if prop else 0.0,
+            prop.first + 1 if prop else 0, prop.stages if prop else 0,
             len(step.props), step.answer.used, "zero" if number in self.on_edge else "",
         )  # fmt: skip
 

@@ -81,7 +81,7 @@ def test_the_table_has_a_row_per_block_with_its_margins(stack):
     table = found.table()
     assert table["block"].tolist() == ["block-1", "block-2", "block-3"]
     assert (table["tilt"] > 10.0).all()
-    assert table.units == {"prop_force": "N", "tilt": "deg"}
+    assert table.units == {"hold_force": "N", "prop_force": "N", "tilt": "deg"}
     assert list(stack.table().columns) == list(table.columns)[:-2]
 
 

@@ -154,7 +154,9 @@ def test_the_table_of_a_plan_names_the_robot_of_each_block():
     table = found.table()
     assert table["robot"].tolist() == [one.robot for one in handling(found, team).placements]
     assert "robot" not in table.hidden
-    assert {"robot", "with", "prop_force", "margin"} <= {*plan(tower(2)).table().hidden}
+    assert {"robot", "with", "hold_force", "prop_force", "margin"} <= {
+        *plan(tower(2)).table().hidden
+    }
 
 
 def test_the_approach_ends_in_place_and_begins_away():
@@ -232,6 +234,8 @@ def test_held_blocks_have_a_hold_until_their_partner_is_in():
     work = handling(found, [Robot("a"), Robot("b")])
     held = [step for step in found.steps if len(step.blocks) > 1]
     assert len(work.holds) == sum(len(step.blocks) - 1 for step in held) > 0
+    told = {row["block"]: row["hold_force"] for row in found.table() if row["hold_force"]}
+    assert told == {one.name: np.linalg.norm(one.force) for one in work.holds}
     for hold in work.holds:
         placed = {one.name: one for one in work.placements}
         assert placed[hold.name].robot == hold.robot
