@@ -299,15 +299,23 @@ def _many(function: Any, last: inspect.Parameter) -> Any:
     return (get_args(hint_of(function, last)) or (None,))[0]
 
 
-def hold(room: dict[str, Any]) -> None:
+def hold(room: dict[str, Any]) -> list[str]:
     """Let each function that a package offers refuse values of another type, and too large ones.
 
-    A number is finite, a count up to a million.
+    A number is finite, a count up to a million. It offers the names of ``__all__``; without that
+    all that it imports by name, which is given back.
     """
-    for name in room["__all__"]:
+    named = (
+        name
+        for name, one in room.items()
+        if not (name.startswith("_") or inspect.ismodule(one) or one is hold)
+    )
+    offered = room.get("__all__") or sorted(named)
+    for name in offered:
         if inspect.isfunction(room.get(name)) and not hasattr(room[name], "__wrapped__"):
             room[name] = _held(room[name])
             room[name].__module__ = room["__name__"]  # where it is found when it was sent on
+    return offered
 
 
 def _refuse(of: Any, asked: Mapping[str, Any]) -> None:

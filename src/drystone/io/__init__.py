@@ -6,23 +6,16 @@ True
 """
 
 from drystone.base.settings import hold
-from drystone.io.draft import Contents
-from drystone.io.inspection import Inspection
-from drystone.io.opening import as_model, read
-from drystone.io.registry import FORMATS, Format, files_at, format_of, inspect, read_file, write
+from drystone.io.draft import Contents as Contents
+from drystone.io.inspection import Inspection as Inspection
+from drystone.io.opening import as_model as as_model
+from drystone.io.opening import read as read
+from drystone.io.registry import FORMATS as FORMATS
+from drystone.io.registry import Format as Format
+from drystone.io.registry import files_at as files_at
+from drystone.io.registry import format_of as format_of
+from drystone.io.registry import inspect as inspect
+from drystone.io.registry import read_file as read_file
+from drystone.io.registry import write as write
 
-__all__ = [
-    "FORMATS",
-    "Contents",
-    "Format",
-    "Inspection",
-    "as_model",
-    "files_at",
-    "format_of",
-    "inspect",
-    "read",
-    "read_file",
-    "write",
-]
-
-hold(globals())
+__all__ = hold(globals())

@@ -1,129 +1,71 @@
 """Assembly planning: the order of placement, held blocks and props."""
 
 from drystone.base.settings import hold
-from drystone.base.workers import DaskWorkers, ExecutorFactory, LocalWorkers
-from drystone.sequence.dataset import (
-    BuiltOrder,
-    Dataset,
-    DatasetOptions,
-    dataset,
-    read_dataset,
-)
-from drystone.sequence.evaluation import Evaluator
-from drystone.sequence.freedom import Freedom, Interlocking, Obstacle, freedom, interlocking
-from drystone.sequence.gravity_regions import GravityRegion, gravity_region
-from drystone.sequence.handling import (
-    GripFace,
-    Handling,
-    Hold,
-    Placement,
-    handling,
-    without_robot,
-)
-from drystone.sequence.margins import (
-    FrictionSweep,
-    Margin,
-    Margins,
-    margins,
-    sweep_friction,
-)
-from drystone.sequence.path_search import NoPath, PathOptions, RemovalPath, find_path
-from drystone.sequence.plan_steps import Prop, Status, Step
-from drystone.sequence.planner import PlanOptions, plan
-from drystone.sequence.plans import Plan
-from drystone.sequence.robots import Robot
-from drystone.sequence.rules import Order, RemovalTest, Rules
-from drystone.sequence.scaffold_items import (
-    Centring,
-    Clamp,
-    Rope,
-    ScaffoldedModel,
-    ScaffoldItem,
-    Strut,
-    with_scaffold,
-)
-from drystone.sequence.scaffold_places import ScaffoldOptions, Support
-from drystone.sequence.scaffolding import Scaffolding, compare_scaffolding, scaffolding
-from drystone.sequence.stages import (
-    Stage,
-    StageAnswer,
-    StageCheck,
-    StagedModel,
-    check_both,
-    check_once,
-    check_thoroughly,
-)
-from drystone.sequence.structure import StageAnswers, Structure
-from drystone.sequence.sweeps import Pose
-from drystone.sequence.turns import Turn, Turns, take_turns
+from drystone.base.workers import DaskWorkers as DaskWorkers
+from drystone.base.workers import ExecutorFactory as ExecutorFactory
+from drystone.base.workers import LocalWorkers as LocalWorkers
+from drystone.sequence.dataset import BuiltOrder as BuiltOrder
+from drystone.sequence.dataset import Dataset as Dataset
+from drystone.sequence.dataset import DatasetOptions as DatasetOptions
+from drystone.sequence.dataset import dataset as dataset
+from drystone.sequence.dataset import read_dataset as read_dataset
+from drystone.sequence.evaluation import Evaluator as Evaluator
+from drystone.sequence.freedom import Freedom as Freedom
+from drystone.sequence.freedom import Interlocking as Interlocking
+from drystone.sequence.freedom import Obstacle as Obstacle
+from drystone.sequence.freedom import freedom as freedom
+from drystone.sequence.freedom import interlocking as interlocking
+from drystone.sequence.gravity_regions import GravityRegion as GravityRegion
+from drystone.sequence.gravity_regions import gravity_region as gravity_region
+from drystone.sequence.handling import GripFace as GripFace
+from drystone.sequence.handling import Handling as Handling
+from drystone.sequence.handling import Hold as Hold
+from drystone.sequence.handling import Placement as Placement
+from drystone.sequence.handling import handling as handling
+from drystone.sequence.handling import without_robot as without_robot
+from drystone.sequence.margins import FrictionSweep as FrictionSweep
+from drystone.sequence.margins import Margin as Margin
+from drystone.sequence.margins import Margins as Margins
+from drystone.sequence.margins import margins as margins
+from drystone.sequence.margins import sweep_friction as sweep_friction
+from drystone.sequence.path_search import NoPath as NoPath
+from drystone.sequence.path_search import PathOptions as PathOptions
+from drystone.sequence.path_search import RemovalPath as RemovalPath
+from drystone.sequence.path_search import find_path as find_path
+from drystone.sequence.plan_steps import Prop as Prop
+from drystone.sequence.plan_steps import Status as Status
+from drystone.sequence.plan_steps import Step as Step
+from drystone.sequence.planner import PlanOptions as PlanOptions
+from drystone.sequence.planner import plan as plan
+from drystone.sequence.plans import Plan as Plan
+from drystone.sequence.robots import Robot as Robot
+from drystone.sequence.rules import Order as Order
+from drystone.sequence.rules import RemovalTest as RemovalTest
+from drystone.sequence.rules import Rules as Rules
+from drystone.sequence.scaffold_items import Centring as Centring
+from drystone.sequence.scaffold_items import Clamp as Clamp
+from drystone.sequence.scaffold_items import Rope as Rope
+from drystone.sequence.scaffold_items import ScaffoldedModel as ScaffoldedModel
+from drystone.sequence.scaffold_items import ScaffoldItem as ScaffoldItem
+from drystone.sequence.scaffold_items import Strut as Strut
+from drystone.sequence.scaffold_items import with_scaffold as with_scaffold
+from drystone.sequence.scaffold_places import ScaffoldOptions as ScaffoldOptions
+from drystone.sequence.scaffold_places import Support as Support
+from drystone.sequence.scaffolding import Scaffolding as Scaffolding
+from drystone.sequence.scaffolding import compare_scaffolding as compare_scaffolding
+from drystone.sequence.scaffolding import scaffolding as scaffolding
+from drystone.sequence.stages import Stage as Stage
+from drystone.sequence.stages import StageAnswer as StageAnswer
+from drystone.sequence.stages import StageCheck as StageCheck
+from drystone.sequence.stages import StagedModel as StagedModel
+from drystone.sequence.stages import check_both as check_both
+from drystone.sequence.stages import check_once as check_once
+from drystone.sequence.stages import check_thoroughly as check_thoroughly
+from drystone.sequence.structure import StageAnswers as StageAnswers
+from drystone.sequence.structure import Structure as Structure
+from drystone.sequence.sweeps import Pose as Pose
+from drystone.sequence.turns import Turn as Turn
+from drystone.sequence.turns import Turns as Turns
+from drystone.sequence.turns import take_turns as take_turns
 
-__all__ = [
-    "BuiltOrder",
-    "Centring",
-    "Clamp",
-    "DaskWorkers",
-    "Dataset",
-    "DatasetOptions",
-    "Evaluator",
-    "ExecutorFactory",
-    "Freedom",
-    "FrictionSweep",
-    "GravityRegion",
-    "GripFace",
-    "Handling",
-    "Hold",
-    "Interlocking",
-    "LocalWorkers",
-    "Margin",
-    "Margins",
-    "NoPath",
-    "Obstacle",
-    "Order",
-    "PathOptions",
-    "Placement",
-    "Plan",
-    "PlanOptions",
-    "Pose",
-    "Prop",
-    "RemovalPath",
-    "RemovalTest",
-    "Robot",
-    "Rope",
-    "Rules",
-    "ScaffoldItem",
-    "ScaffoldOptions",
-    "ScaffoldedModel",
-    "Scaffolding",
-    "Stage",
-    "StageAnswer",
-    "StageAnswers",
-    "StageCheck",
-    "StagedModel",
-    "Status",
-    "Step",
-    "Structure",
-    "Strut",
-    "Support",
-    "Turn",
-    "Turns",
-    "check_both",
-    "check_once",
-    "check_thoroughly",
-    "compare_scaffolding",
-    "dataset",
-    "find_path",
-    "freedom",
-    "gravity_region",
-    "handling",
-    "interlocking",
-    "margins",
-    "plan",
-    "read_dataset",
-    "scaffolding",
-    "sweep_friction",
-    "take_turns",
-    "with_scaffold",
-    "without_robot",
-]
-
-hold(globals())
+__all__ = hold(globals())

@@ -1,86 +1,48 @@
 """Shells: a surface divided into courses and staggered blocks with planar or faceted joints."""
 
 from drystone.base.settings import hold
-from drystone.shells.fabrication import (
-    FlatFace,
-    block_frame,
-    flat_faces,
-    own_frame,
-    schedule,
-    write_blocks,
-    write_unrolled,
-)
-from drystone.shells.formfinding import FormFound, find_form
-from drystone.shells.materialise import shape_volume
-from drystone.shells.meshfit import MeshFit, patch_from_mesh, several_supports, vaults_from_mesh
-from drystone.shells.patch import Edge, Patch, Seam, Shape, Side
-from drystone.shells.planarise import PlanarReport, planarise
-from drystone.shells.shell_families import (
-    barrel_vault,
-    cross_vault,
-    dome,
-    pavilion_vault,
-    rectangular_plan,
-    shell_by_name,
-    three_legged_plan,
-    three_vault_plan,
-    tri_dome,
-)
-from drystone.shells.shell_of_blocks import Shell, build_shell
-from drystone.shells.shell_options import Ground, Intrados, JointForm, Layout, ShellBody
-from drystone.shells.sources import (
-    curve_through,
-    patch_from_curves,
-    patch_from_function,
-    patch_from_grid,
-    patch_from_sections,
-    read_surface,
-)
+from drystone.shells.fabrication import FlatFace as FlatFace
+from drystone.shells.fabrication import block_frame as block_frame
+from drystone.shells.fabrication import flat_faces as flat_faces
+from drystone.shells.fabrication import own_frame as own_frame
+from drystone.shells.fabrication import schedule as schedule
+from drystone.shells.fabrication import write_blocks as write_blocks
+from drystone.shells.fabrication import write_unrolled as write_unrolled
+from drystone.shells.formfinding import FormFound as FormFound
+from drystone.shells.formfinding import find_form as find_form
+from drystone.shells.materialise import shape_volume as shape_volume
+from drystone.shells.meshfit import MeshFit as MeshFit
+from drystone.shells.meshfit import patch_from_mesh as patch_from_mesh
+from drystone.shells.meshfit import several_supports as several_supports
+from drystone.shells.meshfit import vaults_from_mesh as vaults_from_mesh
+from drystone.shells.patch import Edge as Edge
+from drystone.shells.patch import Patch as Patch
+from drystone.shells.patch import Seam as Seam
+from drystone.shells.patch import Shape as Shape
+from drystone.shells.patch import Side as Side
+from drystone.shells.planarise import PlanarReport as PlanarReport
+from drystone.shells.planarise import planarise as planarise
+from drystone.shells.shell_families import barrel_vault as barrel_vault
+from drystone.shells.shell_families import cross_vault as cross_vault
+from drystone.shells.shell_families import dome as dome
+from drystone.shells.shell_families import pavilion_vault as pavilion_vault
+from drystone.shells.shell_families import rectangular_plan as rectangular_plan
+from drystone.shells.shell_families import shell_by_name as shell_by_name
+from drystone.shells.shell_families import three_legged_plan as three_legged_plan
+from drystone.shells.shell_families import three_vault_plan as three_vault_plan
+from drystone.shells.shell_families import tri_dome as tri_dome
+from drystone.shells.shell_of_blocks import Shell as Shell
+from drystone.shells.shell_of_blocks import build_shell as build_shell
+from drystone.shells.shell_options import Ground as Ground
+from drystone.shells.shell_options import Intrados as Intrados
+from drystone.shells.shell_options import JointForm as JointForm
+from drystone.shells.shell_options import Layout as Layout
+from drystone.shells.shell_options import ShellBody as ShellBody
+from drystone.shells.sources import curve_through as curve_through
+from drystone.shells.sources import patch_from_curves as patch_from_curves
+from drystone.shells.sources import patch_from_function as patch_from_function
+from drystone.shells.sources import patch_from_grid as patch_from_grid
+from drystone.shells.sources import patch_from_sections as patch_from_sections
+from drystone.shells.sources import read_surface as read_surface
 
-__all__ = [
-    "Edge",
-    "FlatFace",
-    "FormFound",
-    "Ground",
-    "Intrados",
-    "JointForm",
-    "Layout",
-    "MeshFit",
-    "Patch",
-    "PlanarReport",
-    "Seam",
-    "Shape",
-    "Shell",
-    "ShellBody",
-    "Side",
-    "barrel_vault",
-    "block_frame",
-    "build_shell",
-    "cross_vault",
-    "curve_through",
-    "dome",
-    "find_form",
-    "flat_faces",
-    "own_frame",
-    "patch_from_curves",
-    "patch_from_function",
-    "patch_from_grid",
-    "patch_from_mesh",
-    "patch_from_sections",
-    "pavilion_vault",
-    "planarise",
-    "read_surface",
-    "rectangular_plan",
-    "schedule",
-    "several_supports",
-    "shape_volume",
-    "shell_by_name",
-    "three_legged_plan",
-    "three_vault_plan",
-    "tri_dome",
-    "vaults_from_mesh",
-    "write_blocks",
-    "write_unrolled",
-]
-
-hold(globals())
+__all__ = hold(globals())

@@ -1,35 +1,23 @@
 """Pictures of results: self-contained pages, static figures, CAD files."""
 
-from drystone.answer.scene import Layer, LayerKind, MarkerShape, Scene, SceneStage, State
+from drystone.answer.scene import Layer as Layer
+from drystone.answer.scene import LayerKind as LayerKind
+from drystone.answer.scene import MarkerShape as MarkerShape
+from drystone.answer.scene import Scene as Scene
+from drystone.answer.scene import SceneStage as SceneStage
+from drystone.answer.scene import State as State
 from drystone.base.settings import hold
-from drystone.view.figure import save_figure
-from drystone.view.gif import save_film
-from drystone.view.notebook import Frame, interact, show
-from drystone.view.page import page_text, save_page
-from drystone.view.palette import PRESETS, Preset
-from drystone.view.plots import save_chart
-from drystone.view.save_cad import save_cad
-from drystone.view.subjects import scene_of
+from drystone.view.figure import save_figure as save_figure
+from drystone.view.gif import save_film as save_film
+from drystone.view.notebook import Frame as Frame
+from drystone.view.notebook import interact as interact
+from drystone.view.notebook import show as show
+from drystone.view.page import page_text as page_text
+from drystone.view.page import save_page as save_page
+from drystone.view.palette import PRESETS as PRESETS
+from drystone.view.palette import Preset as Preset
+from drystone.view.plots import save_chart as save_chart
+from drystone.view.save_cad import save_cad as save_cad
+from drystone.view.subjects import scene_of as scene_of
 
-__all__ = [
-    "PRESETS",
-    "Frame",
-    "Layer",
-    "LayerKind",
-    "MarkerShape",
-    "Preset",
-    "Scene",
-    "SceneStage",
-    "State",
-    "interact",
-    "page_text",
-    "save_cad",
-    "save_chart",
-    "save_figure",
-    "save_film",
-    "save_page",
-    "scene_of",
-    "show",
-]
-
-hold(globals())
+__all__ = hold(globals())
