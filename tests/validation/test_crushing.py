@@ -8,8 +8,16 @@ import drystone
 from drystone import Assembly, Block, JointCapacity, LoadCase, Model, check, limit_load, solve_rbe
 from drystone.checks import check_forces, mechanism_defects, normal_force_by_strength
 from drystone.io.opening import as_model
-from drystone.limits import LimitOptions, limit_friction, limit_thickness, limit_tilt, thrust_bounds
+from drystone.limits import (
+    LimitOptions,
+    limit_friction,
+    limit_shrink,
+    limit_thickness,
+    limit_tilt,
+    thrust_bounds,
+)
 from drystone.models import arch, box, segmental_bridge, wall
+from drystone.solvers.program import ConicProgram
 from drystone.stability.strength import crushing_factor
 
 WIDTH, DEPTH, STRENGTH = 1.0, 0.5, 1e5
@@ -43,6 +51,22 @@ def test_a_pier_crushes_under_its_own_weight_at_strength_by_unit_weight(share, s
         violation, power = mechanism_defects(model, found.mechanism)
         assert violation < 1e-5
         assert power > 0.0
+
+
+def test_the_size_that_a_shaken_pier_needs_takes_few_programs(monkeypatch):
+    """M = N / 2 (s b - N / (f s d)) at the foot, with M = k N h / 2. Once it took 24."""
+    height, shaken, solves, solve = 0.3 * TALLEST, 0.1, [], ConicProgram.solve
+    model = pier(height, courses=1, load=lambda one: LoadCase.seismic(one, shaken))
+
+    def counted(program, *given, **named):
+        solves.append(program)
+        return solve(program, *given, **named)
+
+    monkeypatch.setattr(ConicProgram, "solve", counted)
+    found = limit_shrink(model, options=LimitOptions(equilibrium_only=True, width=0.01)).equilibrium
+    arm = 0.5 * shaken * height / WIDTH
+    assert found.stands == pytest.approx(arm + np.sqrt(arm**2 + height / TALLEST), abs=0.01)
+    assert len(solves) <= 12  # of nine shares
 
 
 def test_a_leaning_pier_turns_about_a_stress_block():

@@ -235,6 +235,8 @@ class LoadFactors:
         R: wrenches of which any share may act, such as what fill resists; scaled alike.
     enough
         A factor from which on no larger one is asked for.
+    whether
+        Of a smaller factor no more is asked than that: where joints crush it may be too small.
 
     Notes
     -----
@@ -248,8 +250,10 @@ class LoadFactors:
         cone: FrictionCone,
         reserve: sparse.csc_matrix | None = None,
         enough: float = np.inf,
+        whether: bool = False,
     ) -> None:
         self._statics, self._cone, self._enough = statics, cone, enough
+        self._whether = whether
         self._reserve = sparse.csc_matrix((0, 0)) if reserve is None else reserve
         self._kept: tuple[ConicProgram, Any] | None = None
         self._place: Ints = np.zeros(0, dtype=np.intp)  # of the live loads in it
@@ -259,7 +263,10 @@ class LoadFactors:
         column, place = sparse.csc_matrix(live.reshape(-1, 1)), np.flatnonzero(live)
         if self._statics.crushing is not None:
             build = partial(self._program, column)
-            parts = solved_by_parts(build, self._statics, stop=stop, enough=-self._enough)
+            least = -self._enough
+            parts = solved_by_parts(
+                build, self._statics, stop=stop, enough=least, whether=self._whether
+            )
             state, self._statics = parts  # the next load finds most parts of faces that it needs
         else:
             if np.isin(place, self._place).all() and self._kept is not None:
@@ -343,14 +350,18 @@ def solved_by_parts(
     stop: Callable[[], bool] | None = None,
     vertex: bool = False,
     enough: float = -np.inf,
+    whether: bool = False,
 ) -> tuple[EquilibriumSolution, Statics]:
-    """As :func:`solved`, with the problem as it has all parts of faces."""
+    """As :func:`solved`, with the problem as it has all parts of faces.
+
+    ``whether``: end also once it is known that the value stays above ``enough``.
+    """
     steps, finer = 0, statics
     for _ in range(_ROUNDS):
         statics, program = finer, build(finer)
         raw = program.solve(options, stop=stop)
         steps += raw.iterations
-        finer = _finer(statics, program, raw, enough) or statics
+        finer = _finer(statics, program, raw, enough, whether) or statics
         if finer is statics:
             break
     raw = replace(raw, iterations=steps)
@@ -377,7 +388,7 @@ def _state(program: ConicProgram, raw: ConicSolution) -> EquilibriumSolution:
 
 
 def _finer(
-    statics: Statics, program: ConicProgram, raw: ConicSolution, enough: float
+    statics: Statics, program: ConicProgram, raw: ConicSolution, enough: float, whether: bool
 ) -> Statics | None:
     """The problem with more parts of the faces that crush; None where these add nothing."""
     crushing = statics.crushing
@@ -389,7 +400,8 @@ def _finer(
         proven = float(program.right @ raw.z) + gap < 0.0  # the motion holds for whole faces too
         return None if proven else replace(statics, crushing=crushing.refined(plane))
     value = float(program.linear @ raw.x + 0.5 * program.quadratic @ raw.x**2)
-    if value <= enough or gap <= _MISSING * abs(value):
+    above = whether and value - 2.0 * gap > enough  # twice, as the motion must prove it
+    if above or value <= enough or gap <= _MISSING * abs(value):
         return None
     normal = np.maximum(raw.x[program.variables["force"]][3 * crushing.corner], 0.0)
     return replace(statics, crushing=crushing.refined(plane, normal))

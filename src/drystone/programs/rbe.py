@@ -306,13 +306,15 @@ def _result(
 
 def _within_strength(problem: Problem, options: RBEOptions, clock: Clock) -> Result:
     """The answer of the largest share of the loads that joints which crush balance."""
-    found = carried(problem, options.cone, clock.late)
+    found = carried(problem, options.cone, clock.late, options.any_forces)
     verdict, message = Verdict.UNDECIDED, "no forces within the strength of its joints were found"
     if found.force is not None and found.residuals.largest <= BALANCE_TOLERANCE:
         verdict, message = Verdict.EQUILIBRIUM_EXISTS, BALANCED
     elif found.mechanism is not None:
         verdict = Verdict.UNSTABLE
-        message = crushing_words(problem.model, found.share, found.mechanism)
+        known = not options.any_forces or found.share > 0.998  # to three digits
+        share = found.share if known else None
+        message = crushing_words(problem.model, share, found.mechanism)
     return _result(
         problem, options, clock, verdict, message, found.mechanism, found.iterations,
         "load factor within the strength by interior points", stopped=clock.reason,

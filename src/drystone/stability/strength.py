@@ -65,18 +65,26 @@ class Carried:
     iterations: int
 
 
-def carried(problem: Problem, cone: FrictionCone, late: Callable[[], bool]) -> Carried:
-    """What share of its loads a model carries whose joints crush."""
+def carried(
+    problem: Problem, cone: FrictionCone, late: Callable[[], bool], whether: bool = False
+) -> Carried:
+    """What share of its loads a model carries whose joints crush.
+
+    With ``whether`` a share below 1 may be too small, by half of what it is below 1.
+    """
     statics = problem.statics
     none = replace(statics, load=np.zeros_like(statics.load))
-    found = LoadFactors(none, cone, enough=1.0)(statics.load, late)
+    found = LoadFactors(none, cone, enough=1.0, whether=whether)(statics.load, late)
     share, state = found.factor, found.state
     steps = state.raw.iterations
     if state.raw.status is ConicStatus.SOLVED and share >= 1.0:  # all sets are convex, with zero
         force = problem.force(state.force / share)
         pull = None if state.pull is None else problem.force(state.pull[:, None] / share)
         return Carried(1.0, force, check_forces(problem.model, force, pull=pull), None, steps)
-    return Carried(min(share, 1.0), None, Residuals(), checked_mechanism(problem, state), steps)
+    proof = checked_mechanism(problem, state)
+    if whether and proof is None and share < 1.0 and not late():
+        return carried(problem, cone, late)
+    return Carried(min(share, 1.0), None, Residuals(), proof, steps)
 
 
 def crushing_factor(model: Model, *, stop: Stop | None = None) -> float | None:
@@ -101,8 +109,8 @@ def crushing_factor(model: Model, *, stop: Stop | None = None) -> float | None:
     return found if 0.0 < found < np.inf else None
 
 
-def crushing_words(model: Model, share: float, motion: Floats) -> str:
-    """How much of the loads is carried, why no more, and the joint that crushes most.
+def crushing_words(model: Model, share: float | None, motion: Floats) -> str:
+    """How much of the loads is carried, if known, why no more, and the joint that crushes most.
 
     What falls with nothing crushed slides or turns. What crushing resists less
     than weights do is not said to crush.
@@ -114,7 +122,8 @@ def crushing_words(model: Model, share: float, motion: Floats) -> str:
     if at is None:
         return f"{UNBALANCED}; no {'joint crushes' if stone else 'tie yields'}{edges}"
     words = f"{WEAK} its {'joints' if stone else 'ties'} balance the loads"
-    words += f", only {rounded_down(share, 3):g} of them, the weight too{edges}"
+    words += "" if share is None else f", only {rounded_down(share, 3):g} of them, the weight too"
+    words += edges
     _, which, fails = joint_words(model.assembly, model.contacts, at)
     if crushing_share(model, motion) > 0.5:
         words = f"{'it crushes' if fails == 'crushes' else 'ties yield'}: {words}"
