@@ -10,7 +10,7 @@ from __future__ import annotations
 import base64
 import importlib
 import json
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -294,19 +294,23 @@ def attributes_of(block: Block, fixed: bool, layer: int, path: Path) -> Any:
 
 
 def mesh_of(block: Block) -> Any:
-    """The surface of a block as a mesh of Rhino, in double precision."""
-    rhino3dm: Any = importlib.import_module("rhino3dm")
-    mesh = rhino3dm.Mesh()
-    mesh.Vertices.UseDoublePrecisionVertices = True
-    for point in block.vertices.tolist():
-        mesh.Vertices.AddPoint3d(*point)
+    """The surface of a block as a mesh of Rhino."""
     large = [face for face in block.faces if len(face) > 4]
-    for face in block.faces:
-        if len(face) <= 4:
-            mesh.Faces.AddFace(*face)
+    faces: list[Sequence[int]] = [face for face in block.faces if len(face) <= 4]
     if large:
         corners = np.array([corner for face in large for corner in face], dtype=np.intp)
         start = Ragged.of(large).start
-        for triangle in corners[triangulate(block.vertices[corners], start)[0]].tolist():
-            mesh.Faces.AddFace(*triangle)
+        faces += corners[triangulate(block.vertices[corners], start)[0]].tolist()
+    return mesh_of_faces(block.vertices, faces)
+
+
+def mesh_of_faces(points: Floats, faces: Iterable[Sequence[int]]) -> Any:
+    """Faces of three or four of some points (p, 3) as a mesh of Rhino, in double precision."""
+    rhino3dm: Any = importlib.import_module("rhino3dm")
+    mesh = rhino3dm.Mesh()
+    mesh.Vertices.UseDoublePrecisionVertices = True
+    for point in points.tolist():
+        mesh.Vertices.AddPoint3d(*point)
+    for face in faces:
+        mesh.Faces.AddFace(*face)
     return mesh

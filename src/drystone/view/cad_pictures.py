@@ -13,7 +13,7 @@ from drystone.base.arrays import Floats, Ints
 from drystone.base.files import write_bytes
 from drystone.geometry.triangulate import triangulate
 from drystone.io.glb import TRIANGLES, Z_UP, GlbParts, block_meshes
-from drystone.io.rhino import add_layer, attributes_of, empty_file, mesh_of, save
+from drystone.io.rhino import add_layer, attributes_of, empty_file, mesh_of, mesh_of_faces, save
 from drystone.io.rhino_extract import PICTURE
 from drystone.results.stage import VIRTUAL
 from drystone.view.drawn_parts import (
@@ -279,9 +279,8 @@ def _draw(file: Any, layer: Layer, scene: Scene, stage: SceneStage, number: int)
         size = MARK * scene.block_size
         points, corners = marks(np.zeros((1, 3)), size, layer.shape)
         for at in layer.position:
-            file.Objects.AddMesh(
-                _mesh(points + at, corners), _drawn(number, layer.key, layer.label)
-            )
+            mesh = mesh_of_faces(points + at, corners.tolist())
+            file.Objects.AddMesh(mesh, _drawn(number, layer.key, layer.label))
     else:
         _lines(file, layer, scene, number)
 
@@ -297,7 +296,8 @@ def _polygons(file: Any, layer: Layer, scene: Scene, stage: SceneStage, number: 
     colour = None if value is None else ramp_colours(value / top if top > 0.0 else value)
     for i in range(layer.count):
         first, last = int(layer.start[i]), int(layer.start[i + 1])
-        mesh = _mesh(layer.position[first:last], triangle[begin[i] : begin[i + 1]] - first)
+        own = triangle[begin[i] : begin[i + 1]] - first
+        mesh = mesh_of_faces(layer.position[first:last], own.tolist())
         if colour is not None:
             for corner in colour[first:last]:
                 mesh.VertexColors.Add(*_bytes(corner)[:3])
@@ -319,17 +319,6 @@ def _tell(attributes: Any, scene: Scene, stage: SceneStage, interface: int) -> N
     ):
         if values is not None:
             attributes.SetUserString(what, f"{values[interface]:.6g}")
-
-
-def _mesh(points: Floats, corners: Ints) -> Any:
-    rhino3dm: Any = importlib.import_module("rhino3dm")
-    mesh = rhino3dm.Mesh()
-    mesh.Vertices.UseDoublePrecisionVertices = True
-    for point in points.tolist():
-        mesh.Vertices.AddPoint3d(*point)
-    for corner in corners.tolist():
-        mesh.Faces.AddFace(*corner)
-    return mesh
 
 
 def _lines(file: Any, layer: Layer, scene: Scene, number: int) -> None:
