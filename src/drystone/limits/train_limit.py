@@ -589,6 +589,7 @@ def _placed(
     ``fine``: share of the least factor by which more places must lower it to go on.
     """
     found: dict[float, PlacedTrain] = {}
+    begun: set[tuple[float, bytes]] = set()  # a mechanism's own rounding would ask for ever
     asked = list(zip(places, crossing.lines(len(places)), strict=True))
     with WorkerPool(clock.workers) as pool:
         least = np.inf
@@ -599,7 +600,10 @@ def _placed(
             every = list(found.values())
             if clock.late() or not 0.0 < _least(every) < np.inf:
                 break
-            asked = _sooner(crossing, every, fine)
+            sooner = {(at, line.tobytes()): (at, [line])
+                      for at, line in _sooner(crossing, every, fine)}  # fmt: skip
+            asked = [one for key, one in sooner.items() if key not in begun]
+            begun |= sooner.keys()
             if not asked and _least(every) < (1.0 - fine) * least:
                 least, asked = _least(every), _lower(crossing, every, fine)
     return sorted(found.values(), key=lambda one: one.at.place)
@@ -617,12 +621,12 @@ def _least(found: Sequence[PlacedTrain]) -> float:
 
 def _sooner(
     crossing: Crossing, found: Sequence[PlacedTrain], fine: float
-) -> list[tuple[float, list[Floats]]]:
+) -> list[tuple[float, Floats]]:
     """Places [m] known at which mechanisms of others end the train sooner, and by which line."""
     places = np.array([one.at.place for one in found])
     factor, lines = crossing.known(found)(places)
     each = zip(found, factor.tolist(), lines, strict=True)
-    return [(one.at.place, [line]) for one, least, line in each
+    return [(one.at.place, line) for one, least, line in each
             if least < (1.0 - fine) * one.factor]  # fmt: skip
 
 

@@ -285,6 +285,18 @@ def test_few_places_and_many_find_the_same_worst_one(bridge: Model, name: str) -
     assert few.factors[few.worst] == pytest.approx(many.factors[many.worst], rel=3e-3)
 
 
+def test_an_axle_at_the_end_that_no_factor_ends_is_asked_no_more() -> None:
+    backed = Model.of(segmental_bridge(span=8, rise=2, ring=0.5, voussoirs=10, backing=0.6))
+    train, quick = Train("narrow", (0.0, 1.2), (3e5, 3e5), 0.4), LimitOptions(equilibrium_only=True)
+    fill = Fill(cover=0.4, weight=1.9e4, k=0.3)
+    few, many = (
+        limit_train(backed, train=train, fill=fill, steps=steps, options=quick, time_limit_s=20)
+        for steps in (2, 20)
+    )
+    assert many.factors[0] == np.inf
+    assert many.factors.min() == pytest.approx(few.factors.min(), rel=1e-6)
+
+
 def test_what_carries_much_more_is_no_part_of_the_lines_of_the_chart(bridge: Model) -> None:
     quick = LimitOptions(equilibrium_only=True)
     found = limit_train(bridge, fill=FILL, steps=9, options=quick)
