@@ -287,7 +287,7 @@ class Mends(Answer):
         return [lines[first] for first, *_ in self._alike()]
 
     def failures(self) -> list[str]:
-        """A line for each mend that is like another one, and for each that was tried in vain."""
+        """A line for each mend that is like another one, and for each tried without success."""
         lines, others = self._listed(), chain.from_iterable(some[1:] for some in self._alike())
         more = [lines[i] for i in sorted(others)]
         return more + [f"{named(blocks)}: {one.kind}: {one.what}" for blocks, one in self.tried]
@@ -408,9 +408,10 @@ def find_mends(
             own: list[Changed] = []
             several = pool.answers(task, chosen.kinds, clock.late)
             for done, (made, failed) in enumerate(several, 1):
-                own += _with_margin(made, clock.late)
+                new = _with_margin(made, clock.late)
+                own += new
                 tried += [(names, one) for one in failed]
-                for one in made:
+                for one in new:
                     tell_one(one)
                 clock.tell(f"mends of region {number}", done, len(chosen.kinds))
             mended += bool(own)

@@ -212,7 +212,7 @@ def read_combinations(path: PathLike, model: Model) -> list[Combination]:
         which earthquakes shake as they do fill and masses in kg; ``blocks``, to which gravity is
         restricted; ``psi`` or ``category`` of variable actions; ``factors``: unfavourable and
         favourable, in place of those of situations with partial factors, or by the names of
-        situations: ``factors = { STR = [1.2, 1] }``; ``group``, of which one acts at a time;
+        situations: ``factors = { STR = [1.2, 1] }``; ``group``: one of a group acts at a time;
         ``together``: a name, alike in all that lead as one action, of ``tandem``, ``udl`` and
         ``footway`` ``gr1a``; ``reversible``.
     model
@@ -496,7 +496,7 @@ def _action(
 
 
 def _group(one: Field, standard: Field) -> str:
-    """Of which one acts at a time: no name of what acts together in the standard."""
+    """One of a group acts at a time: no name of what acts together in the standard."""
     name = one.get("group", "").text()
     if name and name in {x.get("together", "").text() for _, x in standard["category"].items()}:
         raise one["group"].error(

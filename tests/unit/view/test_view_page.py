@@ -143,7 +143,7 @@ def test_the_page_asks_nothing_of_the_network() -> None:
 def test_no_script_can_end_its_own_element() -> None:
     static = resources.files("drystone.view").joinpath("static")
     names = {entry.name for entry in static.iterdir()}
-    assert names == {*SCRIPTS, "page.css", "page.html", "widget.js"}
+    assert names == {*SCRIPTS, "page.css", "page.html", "unpacking.html", "widget.js"}
     for name in (*SCRIPTS, "widget.js"):
         text = static.joinpath(name).read_text(encoding="utf-8")
         assert "</script" not in text.lower()
