@@ -204,12 +204,10 @@ class StageCheck:
         return decided(followed, near=smooth.displacement)
 
 
-_ONCE = StageCheck(CheckOptions(samples=0, settle=False))
-
-
 def check_once(model: Model, start: Floats | None = None) -> Result:
     """The verdict with uniform contact stiffness; ``start`` as in :func:`drystone.check`."""
-    return _ONCE.begun_at(Problem.build(model), start)
+    once = StageCheck(CheckOptions(samples=0, settle=False))
+    return once.begun_at(Problem.build(model), start)
 
 
 check_both = StageCheck(CheckOptions(uniform=True))
