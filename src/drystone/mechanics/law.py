@@ -138,12 +138,14 @@ class StickSlip:
         if before is not None:
             trial += before.T
         square = trial * trial
-        size = np.sqrt(square[0] + square[1] + 1e-300)  # lost beside any other, and above zero
+        size = np.sqrt(square[0] + square[1])
         bound = self.bound(normal)
-        ratio = np.minimum(bound / size, 1.0)
+        slips = size > bound
+        size = np.where(size > 0.0, size, 1.0)
+        ratio = np.where(slips, bound / size, 1.0)
 
         def slope() -> tuple[Floats, Floats]:
-            way, secant, slips = trial / size, self.stiffness * ratio, size > bound
+            way, secant = trial / size, self.stiffness * ratio
             growth = slips * self.bound.growth(normal)
             return _across(secant, secant * slips, *way), (growth * way).T
 

@@ -48,6 +48,13 @@ def test_a_corner_that_does_not_slide_feels_no_friction():
         assert not law(NORMAL, np.zeros((K, 2))).force.any()
 
 
+def test_a_corner_that_neither_presses_nor_slides_yet_is_as_stiff_as_one_that_sticks():
+    law = StickSlip(FrictionBound(FRICTION), RNG.uniform(0.1, 2.0, K))
+    by_slide, by_normal = law(np.zeros(K), np.zeros((K, 2))).slope()
+    np.testing.assert_allclose(by_slide, law.stiffness[:, None, None] * np.eye(2))
+    assert not by_normal.any()
+
+
 @pytest.mark.parametrize("tension", [None, RNG.uniform(0.1, 2.0, K)])
 @pytest.mark.parametrize("before", [None, RNG.normal(size=(K, 2))])
 def test_the_tangent_is_the_derivative_of_the_force(tension, before):
