@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import chain
 
 import numpy as np
 
@@ -33,7 +32,7 @@ class AppliedLoads(OneLine):
     acceleration : (3,) [m/s2]
         That most of the masses have.
     words : (a,)
-        What each of the other loads is; empty where a row has all of its block.
+        What each of the other loads is.
     block : (a,)
         Blocks with other loads.
     point : (a, 3) [m]
@@ -112,7 +111,7 @@ def applied_loads(assembly: Assembly, load: LoadCase, common: Floats | None = No
         at = assembly.centroid[block] + arm + (reach[block, None] / square) * force
         here = lengths(force) * lengths(load.given[block].reshape(-1, 12)) > 0.0
         point[here] = at[here]
-    told = ("",) * len(block)
+    told = (load.name,) * len(block)
     return AppliedLoads(common, told, block, point, force, left, *_earthquake(assembly, load))
 
 
@@ -133,20 +132,20 @@ def loads_apart(assembly: Assembly, load: LoadCase, common: Floats | None = None
     """
     common = common_acceleration(assembly, load) if common is None else common
     count, still = len(assembly), np.zeros(3)
-    known = [one.on(count)["wrench"] for one in load.each]
+    apart = (*load.each, *(x.as_given(assembly.free) for x in load.masses))
+    each = [LoadCase(name=one.words, **one.on(count)) for one in apart]
+    known = [one.wrench for one in each[: len(load.each)]]
     left, _ = other_loads(assembly, load.beside_masses, common, known)
-    found = [
-        (one.words, applied_loads(assembly, LoadCase(**one.on(count)), still))
-        for one in (*load.each, *(x.as_given(assembly.free) for x in load.masses))
-    ]
-    rest = LoadCase(left, given=None if known else load.given)
-    found.append(("other loads" if found else load.name, applied_loads(assembly, rest, still)))
-    block, point, force, moment = (
-        np.concatenate([getattr(one, name) for _, one in found])
-        for name in ("block", "point", "force", "moment")
+    rest = "other loads" if each else load.name
+    each.append(LoadCase(left, rest, given=None if known else load.given))
+    found = [applied_loads(assembly, one, still) for one in each]
+    words, block, point, force, moment = (
+        np.concatenate([getattr(one, name) for one in found])
+        for name in ("words", "block", "point", "force", "moment")
     )
-    words = tuple(chain.from_iterable((told,) * len(one.block) for told, one in found))
-    return AppliedLoads(common, words, block, point, force, moment, *_earthquake(assembly, load))
+    return AppliedLoads(
+        common, tuple(words.tolist()), block, point, force, moment, *_earthquake(assembly, load)
+    )
 
 
 def other_loads(
