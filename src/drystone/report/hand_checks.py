@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from drystone.answer.question import UP
 from drystone.base.arrays import ROUNDING, Bools, Floats, Ints, dot
 from drystone.base.display import OneLine
 from drystone.base.errors import counted
@@ -20,7 +21,7 @@ from drystone.geometry.frames import area_vector, unit
 from drystone.geometry.kern import level_hull
 from drystone.joint_capacity import JointCapacity
 from drystone.joints import plane_pressure
-from drystone.loads.applied import common_acceleration, loads_apart
+from drystone.loads.applied import AppliedLoads, common_acceleration, loads_apart
 from drystone.model import Model
 from drystone.results import Result
 from drystone.stability.problem import FALLING_SHARE, MECHANISM_TOLERANCE, moving_blocks
@@ -129,11 +130,12 @@ def as_one_block(result: Result) -> Table | None:
 
 def _moments_about(result: Result, hull: Floats) -> list[tuple[float, float, float, float]]:
     """For edges of a level hull (h, 3): what of the width is left, Mv, Mh, and the width."""
-    edges, up = [], np.array([0.0, 0.0, 1.0])
+    edges, free = [], ~result.assembly.fixed
+    loads = loads_apart(result.assembly, result.load.beside_masses)
     for toe, end in zip(hull, np.roll(hull, -1, axis=0), strict=True):
-        out = unit(np.cross(end - toe, up))
-        turn = np.cross(out, up)
-        points, vertical, others = _parts_of_load(result, ~result.assembly.fixed, toe, turn)
+        out = unit(np.cross(end - toe, UP))
+        turn = np.cross(out, UP)
+        points, vertical, others = _parts_of_load(result, loads, free, toe, turn)
         holds, over = float(-vertical @ ((points - toe) @ out)), sum(others.values())
         wide = float(np.ptp(hull @ out))
         edges.append(((holds - over) / wide, holds, over, wide))
@@ -382,7 +384,8 @@ def _thrust_at(result: Result, top: int, arch: Bools) -> CrownThrust | None:
     crown, springing = (_middle(contacts.point[one], normal[one]) for one in (cut, foot))
     rise = float(crown[2] - springing[2])
     turn = np.cross(way, [0.0, 0.0, 1.0])
-    points, vertical, moments = _parts_of_load(result, half, springing, turn)
+    loads = loads_apart(assembly, result.load.beside_masses)
+    points, vertical, moments = _parts_of_load(result, loads, half, springing, turn)
     load, by_joints = float(vertical.sum()), float(-(given[cut] @ way).sum())
     if rise <= 0.05 * np.ptp(assembly.bounds[arch, :, 2]) or load <= 0.0 or by_joints <= 0.0:
         return None
@@ -399,14 +402,13 @@ def _thrust_at(result: Result, top: int, arch: Bools) -> CrownThrust | None:
 
 
 def _parts_of_load(
-    result: Result, half: Bools, about: Floats, turn: Floats
+    result: Result, other: AppliedLoads, half: Bools, about: Floats, turn: Floats
 ) -> tuple[Floats, Floats, dict[str, float]]:
     """Places (p, 3) and sizes (p,) of vertical loads on blocks (n,), and moments of others.
 
-    Moments are about a point (3,) against the axis ``turn`` (3,).
+    Moments are about a point (3,) against the axis ``turn`` (3,); ``other``: beside masses.
     """
     assembly, load = result.assembly, result.load
-    other = loads_apart(assembly, load.beside_masses)
     mine = half[other.block]
     masses = [(assembly.mass, assembly.centroid, other.acceleration)]
     masses += [(one.mass, one.place(assembly), one.gravity + one.shake) for one in load.masses]
