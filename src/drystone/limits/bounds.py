@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from itertools import combinations
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from scipy import sparse
@@ -362,6 +362,10 @@ _BEYOND = 1e-3
 """Share of the factor beyond it at which the mechanism is checked."""
 
 
+Known: TypeAlias = Callable[[Floats], tuple[Floats, list[Floats]]]
+"""Factors (p,) at places (p,) [m], and of each stretches (s, 2) [m] of the line load."""
+
+
 class Position(NamedTuple):
     """A train with its middle at a place [m].
 
@@ -505,9 +509,7 @@ class Crossing:
         for place, axles in zip(places.tolist(), train.on(self.tops, places), strict=True):
             yield Position(place, train, axles, *train.pieces(self.tops, place))
 
-    def known(
-        self, found: Sequence[PlacedTrain]
-    ) -> Callable[[Floats], tuple[Floats, list[Floats]]]:
+    def known(self, found: Sequence[PlacedTrain]) -> Known:
         """What mechanisms found at some places say of all: no larger factor is carried there.
 
         A mechanism ends the train wherever that is when its power makes up for what resists. With

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Unpack
@@ -21,7 +21,7 @@ from drystone.base.table import Table
 from drystone.base.units import quantity
 from drystone.base.workers import WorkerPool
 from drystone.io.opening import Given, LongHow, supported_model
-from drystone.limits.bounds import Crossing, PlacedTrain, factor_of
+from drystone.limits.bounds import Crossing, Known, PlacedTrain, factor_of
 from drystone.limits.limit_answer import Limit
 from drystone.limits.limit_types import LimitOptions
 from drystone.limits.limits import limit_load
@@ -600,12 +600,14 @@ def _placed(
             every = list(found.values())
             if clock.late() or not 0.0 < _least(every) < np.inf:
                 break
+            known = crossing.known(every)
             sooner = {(at, line.tobytes()): (at, [line])
-                      for at, line in _sooner(crossing, every, fine)}  # fmt: skip
+                      for at, line in _sooner(known, every, fine)}  # fmt: skip
             asked = [one for key, one in sooner.items() if key not in begun]
             begun |= sooner.keys()
             if not asked and _least(every) < (1.0 - fine) * least:
-                least, asked = _least(every), _lower(crossing, every, fine)
+                least = _least(every)
+                asked = _lower(crossing, known, least, fine)
     return sorted(found.values(), key=lambda one: one.at.place)
 
 
@@ -619,25 +621,22 @@ def _least(found: Sequence[PlacedTrain]) -> float:
     return min((one.factor for one in found), default=np.inf)
 
 
-def _sooner(
-    crossing: Crossing, found: Sequence[PlacedTrain], fine: float
-) -> list[tuple[float, Floats]]:
+def _sooner(known: Known, found: Sequence[PlacedTrain], fine: float) -> list[tuple[float, Floats]]:
     """Places [m] known at which mechanisms of others end the train sooner, and by which line."""
     places = np.array([one.at.place for one in found])
-    factor, lines = crossing.known(found)(places)
+    factor, lines = known(places)
     each = zip(found, factor.tolist(), lines, strict=True)
     return [(one.at.place, line) for one, least, line in each
             if least < (1.0 - fine) * one.factor]  # fmt: skip
 
 
 def _lower(
-    crossing: Crossing, found: Sequence[PlacedTrain], fine: float
+    crossing: Crossing, known: Known, least: float, fine: float
 ) -> list[tuple[float, list[Floats]]]:
     """Places [m] where mechanisms known of others end the train below the least factor.
 
     The worst one of each stretch of such places, with the line load by which it is.
     """
-    known, least = crossing.known(found), _least(found)
     (low, high), reach = crossing.tops.road.ends, 0.5 * crossing.train.length
     places = np.linspace(low - reach, high + reach, 401)  # 801 lower 12 factors by 0.02 % at most
     factor, last = known(places)[0], len(places) - 1
@@ -653,9 +652,7 @@ def _lower(
     return [(at, [*more, line]) for (at, line), more in each]
 
 
-def _lowest(
-    known: Callable[[Floats], tuple[Floats, list[Floats]]], low: float, high: float
-) -> tuple[float, float, Floats]:
+def _lowest(known: Known, low: float, high: float) -> tuple[float, float, Floats]:
     """The place [m] of the least factor between two, to a 128th of what is between them.
 
     With the factor, and the stretches of the line load by which it is.
