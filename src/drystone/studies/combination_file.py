@@ -27,7 +27,6 @@ from drystone.model import Model
 
 _KINDS = ("permanent", "variable", "accidental", "seismic")
 _DIVIDED = "friction", "strength", "tie"
-_OWN = "kind", "group", "together", "reversible"
 _MOST = 1000
 """Combinations of a file. Chosen: a quarter of an hour of small models."""
 
@@ -472,7 +471,10 @@ def _action(
     every: Mapping[str, Situation],
     chosen: Sequence[Situation],
 ) -> Action:
-    one.only((*_OWN, "load", "shaken", "blocks", "psi", "category", "factors"))
+    one.only(
+        ("kind", "load", "shaken", "blocks", "psi", "category", "factors", "group", "together",
+         "reversible")
+    )  # fmt: skip
     kind = one["kind"]
     if kind.text() not in _KINDS:
         raise kind.error(f"is '{kind.text()}'", f"give {', '.join(_KINDS)}")
