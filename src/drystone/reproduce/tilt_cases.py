@@ -184,9 +184,7 @@ def _why(found: Limit) -> str:
     return "between them the ends of the joints or their shear stiffness decide"
 
 
-X, Y = AXES["x"], AXES["y"]
-XY30 = (1.7320508075688772, 1.0, 0.0)
-_AXES = {**AXES, "xy30": XY30, "xy": (1.0, 1.0, 0.0), "xny": (1.0, -1.0, 0.0)}
+_LEVEL = {"xy30": (1.7320508075688772, 1.0, 0.0), "xy": (1.0, 1.0, 0.0), "xny": (1.0, -1.0, 0.0)}
 
 
 @dataclass(frozen=True)
@@ -252,5 +250,5 @@ def _study(row: Mapping[str, str]) -> Study:
     words: dict[str, Any] = {name: row[name] for name in ("model", "axis_name", "published_axis")}
     degrees = ("dem", "cra", "rbe", "tolerance", "sofistik")
     words |= {name: float(row[name]) for name in degrees if row[name]}
-    build, axis = partial(getattr(models, family), *kind), _AXES[row["axis"]]
+    build, axis = partial(getattr(models, family), *kind), (AXES | _LEVEL)[row["axis"]]
     return Study(build=build, axis=axis, friction=coefficient(row["friction"]), **words)
