@@ -10,6 +10,7 @@ import numpy as np
 
 from drystone.answer.scene import Layer, LayerKind, Scene, SceneStage, State
 from drystone.base.arrays import Floats, Ints
+from drystone.base.errors import clean
 from drystone.base.files import write_bytes
 from drystone.geometry.triangulate import triangulate
 from drystone.io.glb import TRIANGLES, Z_UP, GlbParts, block_meshes
@@ -267,7 +268,7 @@ def _drawn(layer: int, key: str, name: str = "") -> Any:
     rhino3dm: Any = importlib.import_module("rhino3dm")
     attributes = rhino3dm.ObjectAttributes()
     attributes.LayerIndex = layer
-    attributes.Name = "".join(character for character in name if character >= " ")
+    attributes.Name = clean(name)
     attributes.SetUserString(PICTURE, key)
     return attributes
 
@@ -311,7 +312,7 @@ def _tell(attributes: Any, scene: Scene, stage: SceneStage, interface: int) -> N
     """The name and the forces of a joint."""
     contacts, names = scene.contacts, scene.assembly.names
     a, b = names[contacts.block_a[interface]], names[contacts.block_b[interface]]
-    attributes.Name = "".join(character for character in f"{a} - {b}" if character >= " ")
+    attributes.Name = clean(f"{a} - {b}")
     for what, values in (
         ("normal force [N]", stage.normal),
         ("shear force [N]", stage.tangential),
