@@ -98,12 +98,15 @@ def grip_faces(body: Block, joints: Joints) -> list[GripFace]:
 
 
 def _on_face(flat: Patches, patch: int) -> Floats:
-    """The middle of a patch (3,) [m], else where it is widest; opposite ones are seen alike."""
-    normal, centre = flat.normal[patch], flat.centre[patch]
-    frame = frames_from_normals(normal[None] * (1.0 if normal.sum() > 0.0 else -1.0))[0, 1:]
+    """The middle of a patch (3,) [m], else where it is widest.
+
+    Opposite ones are seen alike, to a nanometre: rounding does not choose between equal places.
+    """
+    normal, centre = np.round(flat.normal[patch], 9), flat.centre[patch]
+    frame = frames_from_normals(np.array([max(normal.tolist(), (-normal).tolist())]))[0, 1:]
     first, end = flat.first_ring[patch : patch + 2]
     rings = [
-        (flat.corner[flat.ring_start[k] : flat.ring_start[k + 1]] - centre) @ frame.T
+        np.round((flat.corner[flat.ring_start[k] : flat.ring_start[k + 1]] - centre) @ frame.T, 9)
         for k in range(first, end)
     ]
     shape = shapely.normalize(shapely.Polygon(rings[0], rings[1:]))

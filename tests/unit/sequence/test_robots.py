@@ -11,7 +11,18 @@ from drystone import InputError, Model, Structure, plan
 from drystone.answer import Role, State
 from drystone.assembly import Assembly, replace_block
 from drystone.base.display import rounded_up
-from drystone.models import arch, bayonet, box, bridge, corbelled_bridge, tower, wall, welded
+from drystone.geometry.frames import rotation_about
+from drystone.models import (
+    arch,
+    bayonet,
+    box,
+    bridge,
+    corbelled_bridge,
+    prism,
+    tower,
+    wall,
+    welded,
+)
 from drystone.sequence import (
     PlanOptions,
     Robot,
@@ -227,6 +238,16 @@ def test_a_face_with_a_hole_is_gripped_on_its_material():
     top, bottom = (one for one in grip_faces(frame, joints) if abs(one.normal[2]) > 0.5)
     assert 0.5 < np.abs(top.centre[:2]).max() < 1.0
     np.testing.assert_allclose(top.centre[:2], bottom.centre[:2], atol=1e-9)
+
+
+@pytest.mark.parametrize("turn", [-45.0, 45.0, 135.0])
+def test_opposite_faces_of_a_turned_fork_are_gripped_at_the_same_prong(turn):
+    outline = [(0, 0), (3, 0), (3, 3), (2.6, 3), (2.6, 0.4), (0.4, 0.4), (0.4, 3), (0, 3)]
+    fork = prism(outline, (0.0, 1.0)).transformed(rotation_about(np.array([0.0, 0.0, 1.0]), turn))
+    joints = Joints.of(Model.of(tower(2)).contacts, 1, np.array([False, False]))
+    one, other = (grip for grip in grip_faces(fork, joints) if len(fork.faces[grip.face]) == 8)
+    across = one.centre - other.centre
+    np.testing.assert_allclose(across, one.normal, atol=1e-8)
 
 
 def test_held_blocks_have_a_hold_until_their_partner_is_in():
