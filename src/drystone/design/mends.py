@@ -437,7 +437,7 @@ def _fallen(first: Result, chosen: MendOptions, clock: Clock) -> tuple[Diagnosis
     """
     if chosen.margin.meets(first):
         return diagnose(first.model, result=first), stands_already(chosen.margin)
-    needs = tuple({_OF_NEEDS[kind] for kind in chosen.kinds if kind in _OF_NEEDS})
+    needs = tuple(dict.fromkeys(_OF_NEEDS[kind] for kind in chosen.kinds if kind in _OF_NEEDS))
     options = DiagnosisOptions(large=False, kinds=needs)
     # what stands for some stiffnesses only is mended as it falls with the uniform one
     falls = check(first.model, options=QUICK, stop=clock.late) if first.stable else first
