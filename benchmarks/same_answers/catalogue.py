@@ -21,10 +21,12 @@ from benchmarks.same_answers import asking
 from benchmarks.same_answers.asking import Answer
 from benchmarks.workloads import random_pile
 from drystone import Assembly, JointCapacity, LoadCase, Model, models, read, shells
-from drystone.reproduce.tilt_cases import XY30, X, Y, studies
+from drystone.geometry.frames import LEVEL_AXES
+from drystone.reproduce.tilt_cases import studies
 
 PARTS = ("verdicts", "limits", "plans", "mends", "settlements")
 STEEP = float(np.tan(np.deg2rad(43.0)))
+X, Y, XY30 = LEVEL_AXES["x"], LEVEL_AXES["y"], (1.7320508075688772, 1.0, 0.0)
 
 Made = Callable[[], Model]
 Family = tuple[str, Callable[[], Assembly], float]
