@@ -1,10 +1,8 @@
-"""Notebooks are run as a user runs them; the widget answers. Skipped where extras are missing."""
+"""The widget of notebooks answers. Skipped where its extra is missing."""
 
 from __future__ import annotations
 
-import runpy
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -13,44 +11,11 @@ from drystone import InputError, MissingDependency
 from drystone.models import arch, tower
 from drystone.view import interact, notebook
 
-EXAMPLES = Path(__file__).parents[2] / "examples"
 MODEL = drystone.Model.of(arch(0.2, 8), friction=0.7)
 
 
 def checked(friction: float) -> drystone.Result:
     return drystone.check(MODEL.with_friction(friction))
-
-
-@pytest.mark.filterwarnings("ignore")
-def test_the_jupyter_notebook_runs_and_shows_pages(tmp_path):
-    nbformat = pytest.importorskip("nbformat", reason="no nbformat (Jupyter)")
-    nbclient = pytest.importorskip("nbclient", reason="no nbclient (Jupyter)")
-    pytest.importorskip("ipykernel", reason="no ipykernel (Jupyter)")
-    pytest.importorskip("anywidget", reason="no anywidget, the extra 'notebook'")
-    content = nbformat.read(EXAMPLES / "notebook.ipynb", as_version=4)
-    where: dict[str, Any] = {"metadata": {"path": str(tmp_path)}}
-    done = nbclient.NotebookClient(content, timeout=300, resources=where).execute()
-    outputs = [cell.outputs for cell in done.cells if cell.cell_type == "code"]
-    pages = [
-        out.data["text/html"]
-        for cell in outputs
-        for out in cell
-        if "text/html" in out.get("data", {})
-    ]
-    assert sum("<iframe" in page for page in pages) == 4  # model, result, limit, show
-    assert any("anywidget" in str(out) or "widget-view" in str(out) for out in outputs)
-    assert "UNSTABLE" in str(outputs[-1])
-    assert sum(map(len, pages)) < 1_000_000
-
-
-@pytest.mark.filterwarnings("ignore")
-def test_the_marimo_notebook_runs():
-    pytest.importorskip("marimo", reason="no marimo")
-    pytest.importorskip("anywidget", reason="no anywidget, the extra 'notebook'")
-    app = runpy.run_path(str(EXAMPLES / "notebook_marimo.py"))["app"]
-    _, found = app.run()
-    assert found["result"].stable
-    assert found["told"] == "click a block"
 
 
 def test_a_slider_asks_python_again_and_trouble_is_told():

@@ -8,7 +8,6 @@ import runpy
 import shlex
 import sys
 import tomllib
-from io import StringIO
 from pathlib import Path
 
 import click
@@ -19,39 +18,14 @@ import drystone as drystone_package
 from drystone import Verdict, __version__, models
 from drystone.cli import main
 from drystone.cli.application import app
+from tests.unit.cli.running import commands
 
 ROOT = Path(__file__).parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 PAGES = [ROOT / "README.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").rglob("*.md"))]
-"""Whose examples and commands are tried."""
-TUTORIALS = [
-    "architect",
-    "bridge",
-    "church-wall",
-    "engineer",
-    "researcher",
-    "retaining-wall",
-    "roboticist",
-    "vault",
-]
+"""Whose commands are parsed; ``docs/site/test_pages.py`` runs them."""
 SETUP = "python3 -m venv .venv && .venv/bin/pip install . && .venv/bin/drystone demo"
 TESTING = 'python3 -m venv .venv && .venv/bin/pip install ".[test]" && .venv/bin/pytest'
-
-
-def python_blocks(page: Path) -> list[str]:
-    """The Python examples of a page, in order."""
-    return re.findall(r"^```python\n(.*?)^```$", page.read_text("utf-8"), re.MULTILINE | re.DOTALL)
-
-
-@pytest.fixture(scope="module")
-def followed(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
-    """The folder of someone who ran the README's Python example, and what it printed."""
-    folder = tmp_path_factory.mktemp("readme")
-    (example,) = python_blocks(ROOT / "README.md")
-    printed = StringIO()
-    with contextlib.chdir(folder), contextlib.redirect_stdout(printed):
-        exec(compile(example, "README.md", "exec"), {"__name__": "page"})
-    return folder, printed.getvalue()
 
 
 def test_the_two_commands_that_set_it_up_are_in_the_readme_and_the_second_is_what_ci_runs() -> None:
@@ -92,51 +66,6 @@ def test_workflows_may_only_read_and_use_actions_of_one_commit(path: Path) -> No
     assert [one for one in used if not re.fullmatch(r"\S+@[0-9a-f]{40} # v\d[\d.]*", one)] == []
 
 
-def test_the_readmes_example_is_a_dozen_lines_and_prints_what_stands_below_it(
-    followed: tuple[Path, str],
-) -> None:
-    (example,) = python_blocks(ROOT / "README.md")
-    assert sum(bool(line.strip()) for line in example.splitlines()) <= 12
-    folder, printed = followed
-    shown = "".join(f"    {line}\n" for line in printed.splitlines())
-    assert f"{example}```\n\n{shown}" in README
-    assert (folder / "vault.html").read_text("utf-8").startswith("<!doctype html>")
-    assert (folder / "vault.png").read_bytes().startswith(b"\x89PNG")
-
-
-ANSWERS = {
-    "check vault.obj --supports lowest --friction": (0, "STABLE"),
-    "check vault.obj --supports lowest --gravity": (1, "no contact forces can balance the loads"),
-    "inspect vault.obj": (0, "97 blocks"),
-    "inspect vault.obj --supports lowest --json": (0, '"contacts": '),
-    "shell barrel": (0, "STABLE"),
-    "limit friction barrel.json": (0, "stands at"),
-    "plan barrel.json": (1, "1 propped"),
-    "convert vault.obj": (0, "wrote vault.glb"),
-}
-"""Beginning of each command of the README: its exit code, and words of its answer."""
-
-
-def test_the_readmes_commands_answer_as_it_says(
-    followed: tuple[Path, str],
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    """In their order: some read what an earlier one wrote."""
-    folder, _ = followed
-    monkeypatch.chdir(folder)
-    commands = re.findall(r"^ {4}drystone (.*)$", README, re.MULTILINE)
-    assert len(commands) == len(ANSWERS)
-    for command, (beginning, (code, words)) in zip(commands, ANSWERS.items(), strict=True):
-        assert command.startswith(beginning)
-        answered = main(shlex.split(command))
-        printed = capsys.readouterr()
-        assert (answered, printed.err) == (code, ""), command
-        assert words in printed.out, command
-    written = {path.name for path in folder.iterdir()}
-    assert {"fall.png", "barrel.json", "plan.html", "vault.glb"} <= written
-
-
 def test_bad_input_is_one_line_and_exit_code_two(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -147,63 +76,6 @@ def test_bad_input_is_one_line_and_exit_code_two(
     (said,) = err.splitlines()
     assert "absent.obj" in said
     assert list(tmp_path.iterdir()) == []
-
-
-@pytest.mark.parametrize(
-    "page",
-    [p for p in PAGES[1:] if python_blocks(p) and p.stem not in TUTORIALS],
-    ids=lambda page: page.name,
-)
-def test_the_python_of_a_page_runs(
-    page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Its blocks one after another, as a reader would, in an empty folder.
-
-    A block that says in its first line that it needs something is read only.
-    """
-    monkeypatch.chdir(tmp_path)
-    names: dict[str, object] = {"__name__": "page"}
-    for block in python_blocks(page):
-        if block.startswith("# needs "):
-            compile(block, page.name, "exec")
-            continue
-        exec(compile(block, page.name, "exec"), names)
-
-
-@pytest.mark.parametrize("name", TUTORIALS)
-def test_a_tutorial_shows_what_its_commands_and_its_code_print(
-    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """Line by line and in their order; three dots stand for lines that are not shown.
-
-    The picture of the page keeps the words of the answer that it shows: they are printed as well.
-    """
-    from PIL import Image
-
-    monkeypatch.chdir(tmp_path)
-    text = (ROOT / "docs" / "tutorials" / f"{name}.md").read_text("utf-8")
-    told, names, shown, every = "", {"__name__": "page"}, 0, ""
-    for kind, block in re.findall(r"^```(\w+)\n(.*?)^```$", text, re.MULTILINE | re.DOTALL):
-        if kind == "python":
-            exec(compile(block, name, "exec"), names)
-            told = capsys.readouterr().out
-        elif kind == "text":
-            assert block == told
-            shown += 1
-        for part in re.split(r"^\$ drystone ", block, flags=re.MULTILINE)[1:]:
-            command, *lines = part.splitlines()
-            assert main(shlex.split(command)) in (0, 1), command
-            told = capsys.readouterr().out
-            every += told
-            printed = (line.rstrip() for line in told.splitlines())
-            missing = [one for one in lines if one != "..." and one not in printed]
-            assert missing == [], f"{command} prints:\n{told}"
-            shown += bool(lines)
-    assert shown >= 3
-    assert f"](../images/tutorial-{name}.png)" in text
-    with Image.open(ROOT / "docs" / "images" / f"tutorial-{name}.png") as picture:
-        missing = [one for one in picture.text["told"].splitlines() if one not in every]
-        assert missing == [], f"the picture is older than its answer, which is:\n{every}"
 
 
 OF_THE_PROJECT = ("docs", "examples", "integrations", "benchmarks", "src", "tests")
@@ -310,23 +182,9 @@ def command_of(group: click.Group, name: str) -> click.Command:
     return found
 
 
-def names_of_commands(group: click.Group, before: str = "") -> list[str]:
-    """Every command of a group, with the names that lead to it."""
-    return [
-        name
-        for key in group.list_commands(click.Context(group))
-        for command in [command_of(group, key)]
-        for name in (
-            names_of_commands(command, f"{before}{key} ")
-            if isinstance(command, click.Group)
-            else [before + key]
-        )
-    ]
-
-
 def test_every_command_answers_a_question() -> None:
     page = (ROOT / "docs" / "how-to" / "which-command.md").read_text("utf-8")
-    names = names_of_commands(app)
+    names = commands()
     assert "limit tilt" in names
     assert [name for name in names if not re.search(rf"`drystone {name}[ `]", page)] == []
 
@@ -450,7 +308,8 @@ def test_the_moving_pictures_of_the_readme_are_what_the_example_draws(tmp_path: 
 
 
 def test_every_example_is_run_by_a_test() -> None:
-    tests = "".join(path.read_text("utf-8") for path in (ROOT / "tests").rglob("*.py"))
+    paths = [*(ROOT / "tests").rglob("*.py"), ROOT / "docs" / "site" / "test_pages.py"]
+    tests = "".join(path.read_text("utf-8") for path in paths)
     names = {path.stem for path in (ROOT / "examples").glob("*.py")}
     assert names
     assert [name for name in names if not re.search(rf'"{name}(\.py)?"', tests)] == []
@@ -483,7 +342,16 @@ def test_a_picture_of_a_tutorial_is_what_the_example_draws(tmp_path: Path) -> No
     from PIL import Image
 
     example = runpy.run_path(str(ROOT / "examples" / "tutorial_pictures.py"))
-    assert sorted(example["DRAWN"]) == TUTORIALS
+    assert sorted(example["DRAWN"]) == [
+        "architect",
+        "bridge",
+        "church-wall",
+        "engineer",
+        "researcher",
+        "retaining-wall",
+        "roboticist",
+        "vault",
+    ]
     drawn = tmp_path / "tutorial-engineer.png"
     example["draw"]("engineer", example["DRAWN"]["engineer"], drawn)
     with Image.open(drawn) as now, Image.open(ROOT / "docs" / "images" / drawn.name) as shown:

@@ -1,13 +1,29 @@
-"""Commands run in this process, and what they print."""
+"""Every command by its name; commands run in this process, and what they print."""
 
 import json
 from typing import Any
 
+import click
 import pytest
 
 from drystone.cli import main
+from drystone.cli.application import app
+from drystone.cli.command import Command
 
 Capsys = pytest.CaptureFixture[str]
+
+
+def commands(group: click.Group = app, before: tuple[str, ...] = ()) -> dict[str, Command]:
+    """Every command by its words."""
+    found: dict[str, Any] = {}
+    for name in group.list_commands(click.Context(group)):
+        one = group.get_command(click.Context(group), name)
+        assert one is not None
+        if isinstance(one, click.Group):
+            found |= commands(one, (*before, name))
+        else:
+            found[" ".join((*before, name))] = one
+    return found
 
 
 def answer(capsys: Capsys, *arguments: str) -> tuple[int, Any]:

@@ -1,11 +1,9 @@
 """Commands made of functions: groups of options, help, examples, completion."""
 
 import re
-import shlex
 from dataclasses import dataclass
-from importlib.util import find_spec
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import click
 import pytest
@@ -13,13 +11,13 @@ import pytest
 from drystone import io
 from drystone.answer import Role, Sentence, Statement
 from drystone.cli import main
-from drystone.cli.application import app
-from drystone.cli.command import Command, command
+from drystone.cli.command import command
 from drystone.cli.offered import MODEL, Argument, Option
 from drystone.cli.told import Told
 from drystone.cli.waiting import Waiting
 from drystone.model import Model
-from drystone.models import arch, h_model
+from drystone.models import h_model
+from tests.unit.cli.running import commands
 
 Capsys = pytest.CaptureFixture[str]
 
@@ -72,19 +70,6 @@ def test_help_shows_groups_and_examples_and_hides_expert_options(capsys: Capsys)
     assert "--wet" in capsys.readouterr().out
 
 
-def commands(group: click.Group = app, before: tuple[str, ...] = ()) -> dict[str, Command]:
-    """Every command by its words."""
-    found: dict[str, Any] = {}
-    for name in group.list_commands(click.Context(group)):
-        one = group.get_command(click.Context(group), name)
-        assert one is not None
-        if isinstance(one, click.Group):
-            found |= commands(one, (*before, name))
-        else:
-            found[" ".join((*before, name))] = one
-    return found
-
-
 @pytest.mark.parametrize("name", commands())
 def test_the_help_of_every_command_has_two_examples_and_few_options(
     name: str, capsys: Capsys
@@ -113,30 +98,6 @@ def test_mends_that_fail_are_folded_and_listed_on_request(tmp_path: Path, capsys
     told = capsys.readouterr().out
     assert "1 combination was tried without success: friction (--all lists" in told
     assert "block: friction: it falls" in told
-
-
-LEFT_OUT = {"demo", "reproduce", "mcp", "live"} | (set() if find_spec("mujoco") else {"fall"})
-
-
-@pytest.mark.parametrize("name", sorted(commands().keys() - LEFT_OUT))
-def test_the_examples_of_a_command_run(
-    name: str, tmp_path: Path, capsys: Capsys, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Beside their files. 'reproduce' takes long, 'mcp' and 'live' wait, 'demo' has a test."""
-    monkeypatch.chdir(tmp_path)
-    io.write(arch(voussoirs=7), "arch.json")
-    cases = 'situations = ["STR"]\n[case.gravity]\nkind = "permanent"\n'
-    Path("cases.toml").write_text(cases, encoding="utf-8")
-    examples = commands()[name].examples
-    for example in examples:
-        if any(other.startswith(f"{example} ") for other in examples):
-            continue  # the other one does the same, and more
-        program, *given = shlex.split(example)
-        assert program == "drystone"
-        assert main(given) in (0, 1), example
-        assert capsys.readouterr().err == ""
-        named = [word for word in given if re.search(r"\.(html|png|csv|obj|json)$", word)]
-        assert all(Path(word).exists() for word in named), example
 
 
 @pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
@@ -179,17 +140,7 @@ def test_an_option_without_its_value_and_a_flag_with_one_are_told(capsys: Capsys
         assert err.count("\n") == 1
 
 
-def every_command(group: click.Group = app, path: str = "") -> list[tuple[str, click.Command]]:
-    found: list[tuple[str, click.Command]] = []
-    for name in group.list_commands(click.Context(group)):
-        one = group.get_command(click.Context(group), name)
-        assert one is not None
-        at = f"{path} {name}".strip()
-        found += every_command(one, at) if isinstance(one, click.Group) else [(at, one)]
-    return found
-
-
-@pytest.mark.parametrize(("path", "one"), every_command())
+@pytest.mark.parametrize(("path", "one"), commands().items())
 def test_the_help_of_a_command_shows_about_a_dozen_options(path: str, one: click.Command) -> None:
     text = one.get_help(click.Context(one, info_name=path))
     shown = [line.split()[0] for line in text.splitlines() if line.startswith("  --")]
