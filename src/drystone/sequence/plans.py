@@ -33,7 +33,7 @@ _REASONS = 3
 """Steps whose need of help, or margin of zero, is told in sentences; the numbers have all."""
 
 _SILENT = (
-    "with", "robot", "hold_force", "prop_force", "prop_set", "prop_stages", "propped_now", "margin",
+    "with", "robot", "hold_force", "prop_force", "prop_set", "prop_goes", "propped_now", "margin",
 )  # fmt: skip
 _COLUMNS = ("step", "block", "status", *_SILENT[:-1], "friction_used", "margin")
 """Of the table of a plan, and those that are hidden where they say nothing."""
@@ -315,8 +315,8 @@ class Plan(PlannedSteps, Answer):
 
         Its step, status, partners, the robot that places or holds it, the largest force of the
         hand that holds it for a partner, that of its prop, the step in which this is set and the
-        stages for which it stays, how many props stand, the friction used after the step, and
-        whether the margin is zero then. Columns that say nothing are hidden.
+        one that ends with its removal (0: it stays), how many props stand, the friction used after
+        the step, and whether the margin is zero then. Columns that say nothing are hidden.
         """
         team = self.rules.robots
         robot = {b: team[k].name for b, k in assigned(self, team).items()}
@@ -333,7 +333,7 @@ class Plan(PlannedSteps, Answer):
         return (
             number + 1, names[block], self.status[block].value, partners, robot,
             float(np.linalg.norm(step.hold(block)[:3])), prop.force if prop else 0.0,
-            prop.first + 1 if prop else 0, prop.stages if prop else 0,
+            prop.first + 1 if prop else 0, (prop.last + 2) % (len(self) + 1) if prop else 0,
             len(step.props), step.answer.used, "zero" if number in self.on_edge else "",
         )  # fmt: skip
 

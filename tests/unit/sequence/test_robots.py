@@ -453,8 +453,16 @@ def test_a_plan_with_props_names_turns_without_and_what_is_proved() -> None:
     assert "no order has fewer blocks propped or held, of hands that let go after each step" in said
     assert "forces were not compared" in said
     columns = found.table().columns
-    when = dict(zip(columns["block"], columns["prop_set"], strict=True))
-    assert [when[one["block"]] for one in found.numbers()["props"]] == [3, 4, 5]
+    row = {name: i for i, name in enumerate(columns["block"])}
+    props = [row[one["block"]] for one in found.numbers()["props"]]
+    assert columns["prop_set"][props].tolist() == [3, 4, 5]
+    assert columns["prop_goes"][props].tolist() == [4, 5, 8]
+    gone = [
+        [one.step for one in work.placements if name in work.props_removed(one)]
+        for work in [handling(found)]
+        for name in (one["block"] for one in found.numbers()["props"])
+    ]
+    assert gone == [[4], [5], [8]]
     weak = PlanOptions(rules=Rules(payload=60.0))
     assert "--turns" not in plan(thin, friction=0.7, options=weak).message
     alone = PlanOptions(rules=Rules(hands=1))
