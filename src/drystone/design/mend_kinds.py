@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import replace
 from functools import partial
 from typing import TypeAlias
 
 import numpy as np
 
+from drystone.assembly import Block
 from drystone.base.arrays import Floats, Ints, lengths
 from drystone.base.errors import InputError
 from drystone.base.units import quantity
@@ -25,9 +27,15 @@ from drystone.design.changes import (
     joint_change,
 )
 from drystone.design.margin import LARGE_REGION, SMALL_REGION
-from drystone.design.mends_beside import lies_under_all, prop, support, tie
+from drystone.design.mends_beside import prop, support, tie
 from drystone.design.needs import SEARCHED, KnownNeeds, pulls_of_region
-from drystone.design.surgery import free_sides, merge_blocks, thicken_blocks, thickness_of
+from drystone.design.surgery import (
+    free_sides,
+    merge_blocks,
+    thicken_blocks,
+    thickened,
+    thickness_of,
+)
 from drystone.design.words import glue_words, listed, names_of, towards
 from drystone.model import Model
 from drystone.supports import laid_ground
@@ -130,15 +138,23 @@ def _drawn_back(bench: Bench, below: list[int]) -> list[Change]:
 def _ways_below(bench: Bench) -> Iterator[tuple[int, Floats]]:
     """Blocks on which the region lies, and the ways (3,) [m] to the middles of the joints there."""
     local, own = bench.local, bench.own
-    mass, up = local.assembly.mass[own], -acceleration_of(local)
+    mass = local.assembly.mass[own]
     middle = mass @ local.assembly.centroid[own] / mass.sum()
-    contacts = local.contacts
-    for k, (a, b) in enumerate(zip(contacts.block_a, contacts.block_b, strict=True)):
-        normal = contacts.frame[k, 0] * (1.0 if b in own else -1.0)
-        way = contacts.centroid[k] - middle
+    for k, _, below, normal in _seats(local, own):
+        way = local.contacts.centroid[k] - middle
         way -= way @ normal * normal
-        if (a in own) != (b in own) and normal @ up > 0.5 * np.linalg.norm(up) and way.any():
-            yield int(a if b in own else b), way
+        if way.any():
+            yield below, way
+
+
+def _seats(model: Model, own: Collection[int]) -> Iterator[tuple[int, int, int, Floats]]:
+    """The joints with which some blocks lie on others, their two blocks and their normals (3,)."""
+    contacts, up = model.contacts, -acceleration_of(model)
+    pairs = zip(contacts.block_a.tolist(), contacts.block_b.tolist(), strict=True)
+    for k, (a, b) in enumerate(pairs):
+        normal = contacts.frame[k, 0] * (1.0 if b in own else -1.0)
+        if (a in own) != (b in own) and normal @ up > 0.5 * np.linalg.norm(up):
+            yield (k, b, a, normal) if b in own else (k, a, b, normal)
 
 
 def _joints(asked: KnownNeeds, kind: str) -> Proposals:
@@ -234,12 +250,34 @@ def _thicker_words(bench: Bench, grown: _Grown, share: float) -> str:
     told += f"{most}, {half if len(free_sides(model, some, pairs)[0]) > 1 else free}"
     if (np.abs(across @ across[0]) > 0.99 * size * size[0]).all():
         told += f", along {towards(across[0]).lstrip('+-')}"
-    local, ends = bench.local.assembly, bench.blocks.tolist()
-    fixed = [i for i in np.flatnonzero(local.fixed).tolist() if not lies_under_all(local, i)]
-    rest = [ends[i] for i in fixed if ends[i] not in some]
-    return (
-        f"{told}; they overhang {names_of(model, rest)} where these are no wider" if rest else told
-    )
+    with contextlib.suppress(InputError):  # of a share that is too large, of which no mend is made
+        bodies = thickened(model, some, share, pairs, across)
+        below, far = _overhung(model, dict(zip(some, bodies, strict=True)), across)
+        if below:
+            told += f"; they overhang {names_of(model, below)} by {quantity(far, 'm')}"
+    return told
+
+
+def _overhung(model: Model, made: Mapping[int, Block], across: Floats) -> tuple[list[int], float]:
+    """The blocks on which some that got thicker lie and which these overhang, and how far [m].
+
+    That is measured in the plane of their joint, across (b, 3) the blocks that got thicker.
+    """
+    blocks, ways = model.assembly.blocks, dict(zip(made, across, strict=True))
+    found: dict[int, float] = {}
+    for k, own, other, normal in _seats(model, made):
+        near, size = model.contacts.centroid[k], float(model.assembly.size[own])
+        way = ways[own] - ways[own] @ normal * normal
+        reach = []
+        for vertices in (made[own].vertices, blocks[own].vertices, blocks[other].vertices):
+            on = np.abs((vertices - near) @ normal) < 1e-3 * size
+            along = (vertices[on] if on.any() else vertices) @ way / np.linalg.norm(way)
+            reach.append((along.max(), -along.min()))
+        now, was, below = np.array(reach)
+        far = float(np.where(now > was, now - below, 0.0).max())
+        if far > 1e-3 * size:
+            found[other] = max(found.get(other, 0.0), far)
+    return sorted(found), max(found.values(), default=0.0)
 
 
 def _ballast(asked: KnownNeeds) -> Proposals:

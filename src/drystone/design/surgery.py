@@ -205,11 +205,18 @@ def thicken_blocks(
     """
     about = np.zeros((len(blocks), 3)) if axes is None else axes
     pairs, across = thickness_of(model, blocks, about)
+    bodies = thickened(model, blocks, share, pairs, across)
+    return changed(model, dict(zip(blocks, bodies, strict=True)))
+
+
+def thickened(
+    model: Model, blocks: Sequence[int], share: float, pairs: Sequence[list[int]], across: Floats
+) -> list[Block]:
+    """The blocks of :func:`thicken_blocks`; their thickness as of :func:`thickness_of`."""
     steps = (share * lengths(across)).tolist()
     sides = zip(free_sides(model, blocks, pairs), steps, strict=True)
     moved = [dict.fromkeys(faces, step / len(faces)) for faces, step in sides]
-    bodies = [model.assembly.blocks[i] for i in blocks]
-    return changed(model, dict(zip(blocks, with_moved_faces(bodies, moved), strict=True)))
+    return with_moved_faces([model.assembly.blocks[i] for i in blocks], moved)
 
 
 def thickness_of(
