@@ -102,7 +102,11 @@ def mend(
         mends = design.find_mends(model, options=chosen, **common)
     stands = not mends.mends and not mends.diagnosis.regions
     pictures = replace(wanted, out=None)
-    notes = [*model.notes, *(mends.failures() if everything else ())]
+    notes = [*model.notes]
+    if everything:
+        notes += mends.failures()
+    elif mends.tried:
+        notes.append("--all lists every mend, and all that was tried without success")
     if mends.mends and chosen.margin == design.DesignMargin():
         notes.append("each stands without a margin: --margin tilt=2deg asks for one")
     if stands and wanted.out is not None:

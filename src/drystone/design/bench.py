@@ -49,8 +49,8 @@ class Tried(OneLine):
     less
         The mend that holds with a smaller margin, and that margin; empty where none was found.
     only
-        How it holds the region but not the whole: ``alone``, or ``for some contact stiffnesses``;
-        empty where it does not.
+        Where it holds the region, what is then said of the whole: that it falls, or how its joints
+        would have to fit; else empty.
     """
 
     kind: str

@@ -301,7 +301,7 @@ class Mends(Answer):
             where = f" in {n} regions" if (n := len({blocks for blocks, _ in some})) > 1 else ""
             kinds = ", ".join(dict.fromkeys(one.kind for _, one in some))
             said.append(f"{told}{where}: {kinds}")
-        return f"{'; '.join(said)} (--all lists them)"
+        return "; ".join(said)
 
     def layers(self) -> Scene:
         """Why it falls, and each mend as a stage of its own, as far as a page carries them."""

@@ -235,9 +235,10 @@ class _WholeCheck:
         first, why = self.first, self.why
         if first not in why:
             self._checked(first, settles=True)
-        only = "for some contact stiffnesses" if self.sensitive else "alone"
-        what = f"{self.candidate.words(first)} holds the region {only}"
-        what += f", but of the whole: {why[first]}"
+        only = "the whole still falls"
+        if self.sensitive:
+            only = "the whole stands only if all its joints fit equally well"
+        what = f"{self.candidate.words(first)} holds the region, but {only}: {why[first]}"
         if self.largest > first:
             last = f" ({why[self.largest]})" if self.largest in why else ""
             words = self.candidate.words(self.largest)

@@ -313,11 +313,11 @@ def test_what_holds_a_region_but_not_the_whole_is_told_beside_what_would_hold_it
     fallen: Mends,
 ) -> None:
     names, one = fallen.tried[0]
-    what = "a prop holds the region for some contact stiffnesses, but of the whole: it falls"
-    failed = replace(one, kind="prop", what=what, only="for some contact stiffnesses")
+    what = "a prop holds the region, but the whole still falls: it falls"
+    failed = replace(one, kind="prop", what=what, only="the whole still falls")
     found = replace(fallen, mends=(), tried=((names, failed),))
     reason = next(text for text in found.diagnosis.reasons if "would hold" in text)
-    told = f"{reason} (prop: for some contact stiffnesses)"
+    told = f"{reason} (prop: the whole still falls)"
     assert told in [sentence.text for sentence in found.sentences()]
 
 
@@ -585,6 +585,11 @@ def test_the_command_lists_mends_and_makes_the_one_that_is_chosen(
     assert drystone.check(out).stable
     assert main(["mend", overhang, "--kind", "prop", "--json"]) == 1
     assert "without a margin: --margin" in json.loads(capsys.readouterr().out)["notes"][-1]
+    tie = ["mend", overhang, "--kind", "tie"]
+    assert main(tie) == main([*tie, "--all"]) == 1
+    short, _, every = capsys.readouterr().out.partition("out: tie: ")
+    assert "--all lists every mend" in short
+    assert "--all lists" not in every
 
 
 def test_a_file_that_no_mend_has_changed_is_not_written(
