@@ -18,7 +18,7 @@ import pytest
 import drystone
 from benchmarks.sample_shells import sample_shell
 from drystone import LoadCase, Model, design, limits, seismic, sequence, shells, studies
-from drystone.answer import Answer, Role, Scene, Sentence, Statement
+from drystone.answer import Answer, Question, Role, Scene, Sentence, Statement
 from drystone.answer.chart import Chart
 from drystone.detection import gap_sweep
 from drystone.fall import Film
@@ -168,6 +168,12 @@ def test_an_answer_says_what_was_asked(tmp_path: Path) -> None:
     assert asked.options == {"samples": "2"}
     assert "tower.obj" in asked.line()
     assert "friction 0.7" in asked.line()
+
+
+def test_where_joints_differ_in_friction_the_joints_with_the_least_are_named() -> None:
+    asked = Question.of(Model.of(tower(4), friction=(0.5, 0.0, 0.5)))
+    assert "friction 0 to 0.5 (least between block-1 and block-2)" in asked.line()
+    assert "friction 0.5 \N{MIDDLE DOT}" in Question.of(Model.of(tower(4), friction=0.5)).line()
 
 
 def test_both_sides_of_a_limit_are_one_step_away(made: dict[type[Answer], Answer]) -> None:

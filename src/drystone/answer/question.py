@@ -13,7 +13,7 @@ import numpy as np
 from drystone.assembly import Assembly
 from drystone.base import units
 from drystone.base.arrays import Floats, frozen
-from drystone.base.display import OneLine, differing, shortened
+from drystone.base.display import OneLine, differing, named, shortened
 from drystone.base.errors import counted
 from drystone.base.version import commit, version
 from drystone.contacts import Contacts
@@ -52,6 +52,8 @@ class Question(OneLine):
         Names of the fixed blocks.
     density, friction
         Least and largest; ``None`` where there are none.
+    smoothest
+        The blocks of joints with the least friction, where others have more.
     load
         Name of the load.
     acceleration : [m/s2]
@@ -92,6 +94,7 @@ class Question(OneLine):
     supports: tuple[str, ...] = ()
     density: tuple[float, float] | None = None
     friction: tuple[float, float] | None = None
+    smoothest: str = ""
     load: str = ""
     acceleration: tuple[float, ...] = ()
     loads: tuple[Mapping[str, Any], ...] = ()
@@ -160,6 +163,7 @@ class Question(OneLine):
             supports=tuple(assembly.names[i] for i in np.flatnonzero(assembly.fixed)),
             density=_ends(density),
             friction=_ends(rubs.friction),
+            smoothest=_smoothest(assembly, rubs),
             load="" if load is None else load.name,
             acceleration=common,
             loads=others,
@@ -188,7 +192,7 @@ class Question(OneLine):
             "Supports": _supports(self.supports) if self.blocks else "",
             "Free mass": units.mass(self.free_mass) if self.blocks else "",
             "Density": _range(self.density, " kg/m³"),
-            "Friction": _range(self.friction, ""),
+            "Friction": _range(self.friction, self.smoothest),
             "Joint capacity": ", ".join(
                 f"{name} {self.joint_stress[name] / 1e6:.4g} MPa"
                 if name in self.joint_stress
@@ -310,6 +314,16 @@ def _ends(values: Floats | None) -> tuple[float, float] | None:
     if values is None or not len(values):
         return None
     return float(values.min()), float(values.max())
+
+
+def _smoothest(assembly: Assembly, rubs: Contacts) -> str:
+    """Where friction is least, if it is not the same in all joints."""
+    least = rubs.friction <= rubs.friction.min(initial=np.inf) * (1.0 + 1e-9)
+    if least.all():
+        return ""
+    ends = np.unique(np.stack([rubs.block_a, rubs.block_b], axis=1)[least], axis=0)
+    joints = named([f"{assembly.names[a]} and {assembly.names[b]}" for a, b in ends.tolist()], 1)
+    return f" (least between {joints})"
 
 
 def _range(ends: tuple[float, float] | None, unit: str) -> str:
