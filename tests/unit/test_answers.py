@@ -171,7 +171,7 @@ def test_an_answer_says_what_was_asked(tmp_path: Path) -> None:
 
 
 def test_where_joints_differ_in_friction_the_joints_with_the_least_are_named() -> None:
-    asked = Question.of(Model.of(tower(4), friction=(0.5, 0.0, 0.5)))
+    asked = Question.of(Model.of(tower(4)).with_friction((0.5, 0.0, 0.5)))
     assert "friction 0 to 0.5 (least between block-1 and block-2)" in asked.line()
     assert "friction 0.5 \N{MIDDLE DOT}" in Question.of(Model.of(tower(4), friction=0.5)).line()
 
