@@ -4,7 +4,7 @@ import functools
 import gc
 import os
 import sys
-from importlib.util import find_spec
+from collections.abc import Iterable
 from pathlib import Path
 
 import pytest
@@ -15,16 +15,12 @@ for threads in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
 for size in ("COLUMNS", "LINES"):  # of the terminal of who runs them: tables would depend on it
     os.environ.pop(size, None)
 
-ROOT = Path(__file__).parents[1]
-ORIGIN = getattr(find_spec("drystone"), "origin", None) or ""
-if sys.dont_write_bytecode and ORIGIN.startswith(str(ROOT / "src")):
-    # Each process that a test starts would compile all that it imports, and each run once more:
-    # they share a folder, beside what pytest keeps from one run to the next. A package that is
-    # installed is compiled already.
-    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
-    os.environ["PYTHONPYCACHEPREFIX"] = str(ROOT / ".pytest_cache" / "compiled")
+# Each process that a test starts would compile all that it imports, and each worker all tests.
+sys.dont_write_bytecode = False
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 
-if "PYTEST_XDIST_WORKER" in os.environ:  # what is read while tests are collected is no garbage
+WORKER = os.environ.get("PYTEST_XDIST_WORKER", "")
+if WORKER:  # what is read while tests are collected is no garbage
     gc.disable()
 
 if os.name == "nt":  # these limit the size of files, the memory or the time of processes
@@ -63,8 +59,22 @@ def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool 
     return True if skipped else None
 
 
+class Backwards(pytest.Dir):
+    """A folder whose last file is read first."""
+
+    def collect(self) -> Iterable[pytest.Collector]:
+        return reversed([*super().collect()])
+
+
+def pytest_collect_directory(path: Path, parent: pytest.Collector) -> pytest.Collector | None:
+    """Every other worker reads from the end: half of the tests were compiled by its neighbour."""
+    return Backwards.from_parent(parent, path=path) if WORKER[-1:] in {*"13579"} else None
+
+
+@pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Mark the tests that a person runs while writing: ``pytest -m fast``."""
+    """In the same order in every worker; marked what a person runs while writing."""
+    items.sort(key=lambda item: item.path)
     for item in items:
         if is_fast(item.path):
             item.add_marker(pytest.mark.fast)
