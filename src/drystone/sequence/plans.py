@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from drystone.answer import Answer, Question, Role, Scene, Sentence
-from drystone.base.display import differing, first_of, named
+from drystone.base.display import differing, first_of, named, rounded_up
 from drystone.base.errors import counted
 from drystone.base.table import Table
 from drystone.results import Verdict
@@ -25,7 +25,7 @@ from drystone.sequence.plan_steps import (
     permanent_words,
 )
 from drystone.sequence.robots import FAR
-from drystone.sequence.rules import NO_WAY, TOO_HEAVY, WAITS, Order, Rules, too_heavy
+from drystone.sequence.rules import NO_WAY, TOO_HEAVY, WAITS, Order, Rules, strength, too_heavy
 from drystone.sequence.stage_tree import Node
 from drystone.sequence.stages import StageAnswer, members
 
@@ -212,7 +212,7 @@ class Plan(PlannedSteps, Answer):
             why = self.notes or [self.message]
             return [Sentence("NO PLAN", Role.BAD), *map(Sentence, why)]
         said = [Sentence(self.told, self.role), Sentence(self.message), *self._less_help()]
-        said += [Sentence(permanent_words(self.model, self.step_of))]
+        said += [Sentence(self._lifted), Sentence(permanent_words(self.model, self.step_of))]
         if self.impossible:
             first = Sentence(self.title, Role.BAD)
             said = [first, *map(Sentence, self.notes), Sentence(self.told), *said[1:]]
@@ -221,6 +221,18 @@ class Plan(PlannedSteps, Answer):
         told = first_of(why, "more steps with help", _REASONS)
         told += first_of(edge, "more steps without margin", _REASONS)
         return [one for one in (*said, *map(Sentence, told)) if one.text]
+
+    @property
+    def _lifted(self) -> str:
+        """Which blocks are too heavy for one hand, and how many carry each; else empty."""
+        lifters, mass = strength(self.rules, self.model)[0], self.model.assembly.mass
+        heavy = [b for b in self.step_of if lifters[b] > 1]
+        if not heavy:
+            return ""
+        names = named([self.model.assembly.names[b] for b in heavy])
+        most = f"{rounded_up(float(mass[heavy].max())):g} kg, payload {self.rules.payload:g} kg"
+        up = "up to " if lifters[heavy].min() < lifters[heavy].max() else ""
+        return f"{up}{lifters[heavy].max()} hands carry one block: {names}; up to {most}"
 
     def _less_help(self) -> list[Sentence]:
         """Whether another order needs less help, or how to look for one."""

@@ -151,6 +151,13 @@ def test_a_block_too_heavy_for_all_hands_is_impossible():
     assert "too heavy" in found.impossible[2]
 
 
+def test_a_block_that_two_hands_carry_is_told():
+    told = [one.text for one in planned(tower(3), rules=Rules(payload=1300.0)).sentences()]
+    assert "2 hands carry one block: block-1, block-2; up to 2400 kg, payload 1300 kg" in told
+    able = planned(tower(3), rules=Rules(payload=2500.0)).sentences()
+    assert not any("hands carry" in one.text for one in able)
+
+
 def test_a_plan_is_neither_true_nor_false():
     with pytest.raises(TypeError, match="verdict"):
         bool(planned(tower(2)))
