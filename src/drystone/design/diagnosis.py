@@ -24,7 +24,14 @@ from drystone.design import words
 from drystone.design.bench import Bench
 from drystone.design.joint_motion import JointState, joint_states, sentence
 from drystone.design.margin import LARGE_REGION, soon_at_rest
-from drystone.design.needs import NEEDED, Needs, one_force, pulls_of, search_needs
+from drystone.design.needs import (
+    NEEDED,
+    Needs,
+    one_force,
+    pulls_of,
+    refuse_other_kinds,
+    search_needs,
+)
 from drystone.design.props import posts
 from drystone.design.regions import (
     interfaces_of,
@@ -45,27 +52,28 @@ class DiagnosisOptions(Options):
 
     Attributes
     ----------
-    needs
-        Whether to search the prop, the friction, the ballast and the glue with which each region
-        stands. Without it the diagnosis has the falling blocks, their motion and the missing force
-        only.
     regions : >= 1
         Number of regions that are examined, the heaviest first.
     kinds
-        Of these needs, those that are searched, of prop, friction, ballast, turn and glue (all).
+        What is searched of that with which each region stands: prop, friction, ballast, turn and
+        glue (all). With none the diagnosis has the falling blocks, their motion and the missing
+        force only.
     large
         Whether what regions of more than 40 blocks need is searched too: each trial is slow there.
     """
 
-    needs: bool = True
     regions: int = 20
     kinds: tuple[str, ...] = NEEDED
     large: bool = True
 
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        refuse_other_kinds(self.kinds, NEEDED, "need")
+
     @classmethod
     def brief(cls) -> DiagnosisOptions:
         """Why the three heaviest regions fall, without what they need."""
-        return cls(needs=False, regions=3)
+        return cls(kinds=(), regions=3)
 
 
 @checked_call
@@ -137,7 +145,7 @@ def diagnose(
             regions.append(region)
             clock.tell("what falls", len(regions), len(looked))
     others = tuple(i for blocks in groups[chosen.regions :] for i in blocks)
-    wanted = chosen.needs and "friction" in chosen.kinds and not others and not clock.late()
+    wanted = "friction" in chosen.kinds and not others and not clock.late()
     friction = _friction_of_all(model, regions, clock.late) if wanted else None
     return Diagnosis(answer, tuple(regions), motion, friction, others, clock.reason)
 
@@ -169,7 +177,7 @@ def _region(
     force, point = one_force(model, blocks, wrench)
     pulls = pulls_of(alone.contacts, alone.tension, np.flatnonzero(interfaces))
     needs = Needs(frozen(wrench), frozen(force), frozen(point), pulls)
-    if options.needs and (options.large or not large) and not alone.stable and not late():
+    if options.kinds and (options.large or not large) and not alone.stable and not late():
         with contextlib.suppress(Stopped):
             for found in search_needs(
                 Bench(model, blocks, motion, stop=late), needs, options.kinds

@@ -22,7 +22,7 @@ from drystone.design.changed import Changed, Kept
 from drystone.design.diagnosis import Diagnosis, DiagnosisOptions, Region, diagnose
 from drystone.design.margin import QUICK, DesignMargin
 from drystone.design.mend_kinds import KINDS
-from drystone.design.needs import NEEDED
+from drystone.design.needs import NEEDED, refuse_other_kinds
 from drystone.design.whole_check import mends_of_kind
 from drystone.design.words import NOTHING, listed
 from drystone.io.opening import Given, LongHow, as_model
@@ -168,11 +168,7 @@ class MendOptions(Options):
             if isinstance(one := getattr(self, name), str | int):
                 object.__setattr__(self, name, (one,))
         super().__post_init__()
-        for kind in self.kinds:
-            if kind not in KINDS:
-                each = "give several each on its own; " if "," in kind else ""
-                remedy = f"{each}choose from {', '.join(KINDS)}"
-                raise InputError(f"there is no kind of mend '{kind}'", remedy=remedy)
+        refuse_other_kinds(self.kinds, KINDS, "mend")
         if not self.kinds:
             raise InputError("no kind of mend is allowed", remedy="leave kinds out for all")
 

@@ -23,7 +23,7 @@ where dA and dp are the changes of the equilibrium matrix and of the load with t
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
@@ -63,6 +63,20 @@ ever holds it."""
 
 NEEDED = ("prop", "friction", "ballast", "turn", "glue")
 """The kinds of help that are searched; the same as of mends."""
+
+
+def refuse_other_kinds(kinds: Iterable[str], known: Sequence[str], what: str) -> None:
+    """Refuse kinds of needs or mends that do not exist.
+
+    Raises
+    ------
+    InputError
+    """
+    for kind in kinds:
+        if kind not in known:
+            each = "give several each on its own; " if "," in kind else ""
+            remedy = f"{each}choose from {', '.join(known)}"
+            raise InputError(f"there is no kind of {what} '{kind}'", remedy=remedy)
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,9 +161,7 @@ class Needs(OneLine):
         return found | ({"prop"} if self.props.props else set())
 
 
-def search_needs(
-    bench: Bench, needs: Needs, kinds: Sequence[str] = NEEDED
-) -> Iterator[dict[str, Any]]:
+def search_needs(bench: Bench, needs: Needs, kinds: Sequence[str]) -> Iterator[dict[str, Any]]:
     """The needs of the region of a bench, one after the other, as fields of :class:`Needs`.
 
     ``needs`` is what is known of them, ``kinds`` of :data:`NEEDED` what is searched.

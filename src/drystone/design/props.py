@@ -28,11 +28,10 @@ from drystone.geometry.convex_pieces import solid_of
 from drystone.geometry.frames import area_vector, frames_from_normals, rotation_about
 from drystone.geometry.glue import cut_cell
 from drystone.geometry.polyhedron import prism_faces
-from drystone.limits.bounds import scaled_wrench
 from drystone.loads import LoadCase
-from drystone.mechanics.statics import build_statics
 from drystone.model import Model
 from drystone.sequence.scaffold_seats import first_met, post_ways, surface_triangles
+from drystone.stability.problem import Problem
 from drystone.supports import PROP
 from drystone.ties import PLATE
 
@@ -378,12 +377,14 @@ def _ranked(
 
     Forces of props from below count once, others three times; those that press down come last.
     """
-    assembly, least = model.assembly, least_pushes(model, stop)
+    assembly, statics = model.assembly, Problem.build(model).statics
+    largest = PlaneFactors.of(statics, FrictionCone.exact(), None)
     middle = assembly.centroid[list(blocks)].mean(axis=0)
     found: list[tuple[bool, float, float, PropSeat]] = []
     for seat in places:
-        force = least(seat.block, seat.middle, seat.normal)
-        if np.isfinite(force):
+        pull = LoadCase.point_load(assembly, seat.block, -np.asarray(seat.normal), seat.middle)
+        force = -largest(statics.scaled_wrench(pull.wrench), stop).factor
+        if 0.0 < force < np.inf:  # else a pull holds it, or nothing does
             load = model.load.wrench[seat.block, :3]
             up = -float(seat.normal @ load) / max(float(np.linalg.norm(load)), 1e-300)
             counts = 1.0 if carries(model, seat.block, seat.normal) else _RAKED
@@ -396,24 +397,6 @@ def _ranked(
         order += [x[3] for x in sorted(equal, key=lambda x: round(x[2] / assembly.size.max(), 6))]
         found = [x for x in found if x not in equal]
     return order
-
-
-def least_pushes(
-    model: Model, stop: Callable[[], bool] | None
-) -> Callable[[int, Floats, Floats], float]:
-    """What finds the least force [N] on a block, at a point (3,) and along a unit vector (3,).
-
-    With it forces balance the loads; infinite where they do with no such force.
-    """
-    statics = build_statics(model, model.contacts.select(model.active))
-    largest = PlaneFactors.of(statics, FrictionCone.exact(), None)
-
-    def least(block: int, point: Floats, way: Floats) -> float:
-        pull = LoadCase.point_load(model.assembly, block, -np.asarray(way), point)
-        force = -largest(scaled_wrench(statics, pull), stop).factor
-        return force if force > 0.0 else np.inf  # a pull holds it, or nothing does
-
-    return least
 
 
 def carries(model: Model, block: int, force: Floats) -> bool:

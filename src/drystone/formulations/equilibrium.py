@@ -263,11 +263,10 @@ class LoadFactors:
         column, place = sparse.csc_matrix(live.reshape(-1, 1)), np.flatnonzero(live)
         if self._statics.crushing is not None:
             build = partial(self._program, column)
-            least = -self._enough
-            parts = solved_by_parts(
-                build, self._statics, stop=stop, enough=least, whether=self._whether
+            # the next load finds most parts of faces that it needs
+            state, self._statics = solved_by_parts(
+                build, self._statics, stop=stop, ends=self._is_known
             )
-            state, self._statics = parts  # the next load finds most parts of faces that it needs
         else:
             if np.isin(place, self._place).all() and self._kept is not None:
                 program, solver = self._kept
@@ -281,6 +280,11 @@ class LoadFactors:
         known[ConicStatus.SOLVED] = float(x[0])
         factor = known.get(state.raw.status, np.nan)
         return FactorSolution(factor, state, x[1 : 1 + self._reserve.shape[1]].copy())
+
+    def _is_known(self, value: float, gap: float) -> bool:
+        """Whether it is enough; or not, however much the missing parts add: twice, for a proof."""
+        least = -self._enough
+        return value <= least or (self._whether and value - 2.0 * gap > least)
 
     def _state(self, program: ConicProgram, raw: ConicSolution) -> EquilibriumSolution:
         return _state(program, raw)
@@ -332,14 +336,13 @@ def solved(
     *,
     stop: Callable[[], bool] | None = None,
     vertex: bool = False,
-    enough: float = -np.inf,
 ) -> EquilibriumSolution:
     """Solution of a program over corner forces; with ``vertex`` one of its linear program's.
 
     Where joints crush it is built and solved again, with more parts of their faces, until these add
-    nothing or the value is ``enough``.
+    nothing.
     """
-    return solved_by_parts(build, statics, options, stop=stop, vertex=vertex, enough=enough)[0]
+    return solved_by_parts(build, statics, options, stop=stop, vertex=vertex)[0]
 
 
 def solved_by_parts(
@@ -349,19 +352,18 @@ def solved_by_parts(
     *,
     stop: Callable[[], bool] | None = None,
     vertex: bool = False,
-    enough: float = -np.inf,
-    whether: bool = False,
+    ends: Callable[[float, float], bool] | None = None,
 ) -> tuple[EquilibriumSolution, Statics]:
     """As :func:`solved`, with the problem as it has all parts of faces.
 
-    ``whether``: end also once it is known that the value stays above ``enough``.
+    ``ends``: whether a value, and by how much missing parts may lower it, is all that is asked.
     """
     steps, finer = 0, statics
     for _ in range(_ROUNDS):
         statics, program = finer, build(finer)
         raw = program.solve(options, stop=stop)
         steps += raw.iterations
-        finer = _finer(statics, program, raw, enough, whether) or statics
+        finer = _finer(statics, program, raw, ends) or statics
         if finer is statics:
             break
     raw = replace(raw, iterations=steps)
@@ -388,7 +390,10 @@ def _state(program: ConicProgram, raw: ConicSolution) -> EquilibriumSolution:
 
 
 def _finer(
-    statics: Statics, program: ConicProgram, raw: ConicSolution, enough: float, whether: bool
+    statics: Statics,
+    program: ConicProgram,
+    raw: ConicSolution,
+    ends: Callable[[float, float], bool] | None,
 ) -> Statics | None:
     """The problem with more parts of the faces that crush; None where these add nothing."""
     crushing = statics.crushing
@@ -400,8 +405,7 @@ def _finer(
         proven = float(program.right @ raw.z) + gap < 0.0  # the motion holds for whole faces too
         return None if proven else replace(statics, crushing=crushing.refined(plane))
     value = float(program.linear @ raw.x + 0.5 * program.quadratic @ raw.x**2)
-    above = whether and value - 2.0 * gap > enough  # twice, as the motion must prove it
-    if above or value <= enough or gap <= _MISSING * abs(value):
+    if gap <= _MISSING * abs(value) or (ends is not None and ends(value, gap)):
         return None
     normal = np.maximum(raw.x[program.variables["force"]][3 * crushing.corner], 0.0)
     return replace(statics, crushing=crushing.refined(plane, normal))

@@ -31,7 +31,7 @@ from drystone.limits.limit_types import Bracket, Family, LimitOptions, LoadFacto
 from drystone.loads import LoadCase, Train
 from drystone.loads.applied import common_acceleration, is_vertical
 from drystone.loads.fill import Tops
-from drystone.mechanics.statics import Statics, build_statics
+from drystone.mechanics.statics import Statics
 from drystone.model import Model
 from drystone.programs import RBEOptions, solve_rbe
 from drystone.programs.rbe import BALANCE_TOLERANCE, NEAREST
@@ -272,7 +272,7 @@ def tilt_margin(
     """
     if len(model) > most or model.contacts.capacity is not None or model.contacts.count == 0:
         return None, ""
-    least, about, statics, load = 90.0, "", _statics(model), model.load
+    least, about, statics, load = 90.0, "", Problem.build(model).statics, model.load
     largest = LoadFactors(statics, FrictionCone.exact())
     if not is_vertical(load):
         down = -float(common_acceleration(model.assembly, load)[2])
@@ -281,7 +281,7 @@ def tilt_margin(
         load = LoadCase.gravity(model.assembly, down) + load.weight_of_masses
     for name, axis in LEVEL_AXES.items():
         way = Tilt(model.with_load(load), np.array(axis)).turned(90.0)
-        angle = math.degrees(math.atan(largest(scaled_wrench(statics, way), stop).factor))
+        angle = math.degrees(math.atan(largest(statics.scaled_wrench(way.wrench), stop).factor))
         if angle < (1.0 - SAME) * least:
             least, about = angle, name
     return (least, about) if 0.0 < least < 90.0 else (None, "")
@@ -296,22 +296,11 @@ def with_margins(result: Result, stop: Stop | None = None) -> Result:
     return replace(result, tilt_margin=margin, tilt_about=about, crushing_factor=factor)
 
 
-def _statics(model: Model) -> Statics:
-    """The scales are those of the model without a live load."""
-    return build_statics(model, model.contacts.select(model.active))
-
-
 def _largest(
     model: Model, live: LoadCase, cone: FrictionCone, stop: Stop | None, enough: float = np.inf
 ) -> FactorSolution:
-    statics = _statics(model)
-    return LoadFactors(statics, cone, enough=enough)(scaled_wrench(statics, live), stop)
-
-
-def scaled_wrench(statics: Statics, load: LoadCase) -> Floats:
-    """Wrenches (n, 6) of the free blocks in the units of a dimensionless problem."""
-    wrench = load.wrench[statics.free] / statics.force_unit
-    return np.concatenate([wrench[:, :3], wrench[:, 3:] / statics.length[:, None]], axis=1)
+    statics = Problem.build(model).statics  # with the scales of the model without a live load
+    return LoadFactors(statics, cone, enough=enough)(statics.scaled_wrench(live.wrench), stop)
 
 
 def _confirmed(
@@ -480,7 +469,7 @@ class Crossing:
         for block in self.resisted.tolist():
             alone = np.zeros_like(self.tops.resisting)
             alone[block] = self.tops.resisting[block]
-            each.append(scaled_wrench(self.problem.statics, LoadCase(alone)).ravel())
+            each.append(self.problem.statics.scaled_wrench(alone).ravel())
         return sparse.csc_matrix(np.array(each).T) if each else None
 
     def __call__(self, asked: tuple[float, Sequence[Floats]]) -> PlacedTrain:
@@ -539,19 +528,22 @@ class Crossing:
         It is descended from each, then from the best with its ends moved by two pieces.
         """
         (at,) = self.at(np.array([place]), train)
+        statics = self.problem.statics
         known: dict[bytes, PlacedTrain] = {}
-        largest = PlaneFactors.of(self.problem.statics, self.options.cone, self._reserve)
-        free = self.problem.model.assembly.free
+        largest = PlaneFactors.of(statics, self.options.cone, self._reserve)
 
         def under(adverse: Bools) -> PlacedTrain:
             key = adverse.tobytes()
             if key not in known:
-                known[key] = PlacedTrain(at, largest(self._scaled(at.load(adverse))), adverse)
+                live = statics.scaled_wrench(at.load(adverse).wrench)
+                known[key] = PlacedTrain(at, largest(live), adverse)
             return known[key]
 
         starts = [at.on(one) for one in lines]
-        acting = [one for one in starts if at.load(one).wrench[free].any()]
-        best = min((self._descended(under, each) for each in acting or starts), key=factor_of)
+        acting = [one for one in starts if at.load(one).wrench[statics.free].any()]
+        if not acting:
+            raise InputError("no axle is on a free block", remedy="give fewer steps")
+        best = min((self._descended(under, each) for each in acting), key=factor_of)
         while moved := _moved(best.adverse):
             one = min((self._descended(under, each) for each in moved), key=factor_of)
             if not _less(one, best):
@@ -568,12 +560,6 @@ class Crossing:
                 break
             best = one
         return best
-
-    def _scaled(self, live: LoadCase) -> Floats:
-        wrench = scaled_wrench(self.problem.statics, live)
-        if not wrench.any():
-            raise InputError("no axle is on a free block", remedy="give fewer steps")
-        return wrench
 
     def result(self, placed: PlacedTrain) -> Result | None:
         """The forces and the mechanism at the limit; None where they are not balanced."""

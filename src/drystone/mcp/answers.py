@@ -215,7 +215,7 @@ TOOLS: Mapping[str, Tool] = {
         "'needs' of a region: the force that is missing and its point, a support from below, the "
         "least friction, ballast on one block, turn of one joint, and whether glue would hold.",
         diagnose,
-        "options.needs",
+        "options.kinds",
         "options.regions",
     ),
     "limit": Tool(

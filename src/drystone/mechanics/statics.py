@@ -290,6 +290,11 @@ class Statics:
         out[self.free, 3:] = wrench[:, 3:] * (self.force_unit * self.length[:, None])
         return out
 
+    def scaled_wrench(self, wrench: Floats) -> Floats:
+        """Scaled wrenches (n, 6) of the free blocks, from physical ones of all blocks."""
+        scaled = wrench[self.free] / self.force_unit
+        return np.concatenate([scaled[:, :3], scaled[:, 3:] / self.length[:, None]], axis=1)
+
     def physical_motion(self, motion: Floats, count: int, unit: float) -> Floats:
         """Motions (count, 6) [m, rad] of all blocks, for a displacement unit [m]."""
         out = np.zeros((count, 6))

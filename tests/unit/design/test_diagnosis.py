@@ -82,7 +82,7 @@ def test_a_block_on_a_steep_ramp_slides_down_and_needs_the_tangent_of_its_angle(
     assert np.linalg.norm(region.needs.force) == pytest.approx(missing, rel=1e-4)
     assert "slides down along 'ramp'" in region.sentence
     assert "friction of 0.84 there" in region.sentence
-    short = diagnose(model, options=DiagnosisOptions(needs=False)).reasons[0]
+    short = diagnose(model, options=DiagnosisOptions(kinds=())).reasons[0]
     for told in (short, region.sentence):  # what is missing, and a support: both up the ramp
         assert "N (40 degrees above level towards +x) at " in told
 
@@ -228,7 +228,7 @@ def test_a_model_that_stands_is_said_to_stand() -> None:
 
 
 def test_regions_beyond_the_number_asked_for_are_named_only() -> None:
-    found = diagnose(shelf(), friction=0.9, options=DiagnosisOptions(needs=False, regions=1))
+    found = diagnose(shelf(), friction=0.9, options=DiagnosisOptions(kinds=(), regions=1))
     assert [region.blocks for region in found.regions] == [(9,)]
     assert found.others == (10,)
     assert "1 more block falls: 'block-10'" in found.reasons
@@ -281,6 +281,8 @@ def test_a_result_of_another_model_is_refused() -> None:
         diagnose(tower(2), result=result)
     with pytest.raises(InputError, match="regions is 0"):
         DiagnosisOptions(regions=0)
+    with pytest.raises(InputError, match="no kind of need 'proop'; choose from prop, friction"):
+        DiagnosisOptions(kinds=("proop",))
 
 
 @pytest.fixture
@@ -313,7 +315,7 @@ def test_check_tells_the_cause_and_mend_what_would_hold_it(
 
 def test_forces_on_several_blocks_that_balance_each_other_are_not_added_up() -> None:
     thin = Model.of(arch(voussoirs=11, thickness_ratio=0.1), friction=0.7)
-    (told,) = diagnose(thin, options=DiagnosisOptions(needs=False)).reasons
+    (told,) = diagnose(thin, options=DiagnosisOptions(kinds=())).reasons
     assert "missing" not in told
 
 
@@ -332,7 +334,7 @@ def test_a_diagnosis_has_the_verdict_of_the_check() -> None:
     shape = wedge("c")
     tilted = LoadCase.tilt(shape, (1.0, 0.0, 0.0), 41.0)
     model = Model.of(shape, friction=0.84, load=tilted)
-    found = diagnose(model, options=DiagnosisOptions(needs=False))
+    found = diagnose(model, options=DiagnosisOptions(kinds=()))
     assert found.result.verdict is check(model).verdict is Verdict.UNDECIDED
     assert found.regions
 
@@ -343,7 +345,7 @@ def test_a_block_whose_centre_is_beyond_its_support_is_told_how_far(load: object
     base = box((1.0, 1.0, 0.2), name="base")
     out = box((1.0, 1.0, 0.2), (0.65, 0.0, 0.2), "out")
     model = Model.of(Assembly((base, out), (True, False)), friction=0.9, load=load)
-    told = only(diagnose(model, options=DiagnosisOptions(needs=False))).sentence
+    told = only(diagnose(model, options=DiagnosisOptions(kinds=()))).sentence
     where = "its centre is 150 mm beyond the edge of its joint with 'base'"
     assert (where in told) == (load is None)
     assert re.search(r" at its centre and a moment of [\d.]+ k?N m are missing", told)

@@ -150,7 +150,7 @@ def test_a_shelf_that_balances_and_falls(session: Session) -> None:
 
 def test_why_a_shelf_falls_and_what_force_is_missing(session: Session) -> None:
     model = {"file": "shelf.json", "friction": 0.9}
-    told = session.answer("diagnose", model=model, needs=False)
+    told = session.answer("diagnose", model=model, kinds=[])
     fallen = {name for region in told["regions"] for name in region["blocks"]}
     assert fallen == {"block-9", "block-10"}
     force = sum(region["needs"]["prop"]["force"][2] for region in told["regions"])

@@ -97,7 +97,7 @@ def test_what_was_asked_is_told_in_one_line():
 def test_the_hinges_of_a_thin_arch_are_those_that_its_sentence_counts() -> None:
     model = drystone.Model.of(arch(0.09, 12), friction=0.7)
     found = drystone.check(model)
-    options = DiagnosisOptions(needs=False)
+    options = DiagnosisOptions(kinds=())
     (sentence,) = drystone.diagnose(model, result=found, options=options).reasons
     assert "5 joints are hinges" in sentence
     (stage,) = scene_of(found).stages
@@ -118,9 +118,7 @@ def test_a_hinge_is_a_joint_that_turns_about_an_edge_in_words_and_in_the_picture
     blocks += [box((1.2, 3.4, 0.2), (5.7 + 1.2 * i, 0.0, 2.3), f"slab-{i}") for i in range(3)]
     model = drystone.Model.of(Assembly(tuple(blocks), np.arange(len(blocks)) < 1), friction=0.6)
     found = drystone.check(model)
-    (region,) = drystone.diagnose(
-        model, result=found, options=DiagnosisOptions(needs=False)
-    ).regions
+    (region,) = drystone.diagnose(model, result=found, options=DiagnosisOptions(kinds=())).regions
     assert "hinge about edges of 'post-1' and 'post-3'" in region.sentence
     assert "2 joints are hinges" in region.sentence
     (stage,) = scene_of(found).stages
