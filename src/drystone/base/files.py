@@ -13,6 +13,7 @@ import time
 import tomllib
 import zlib
 from collections.abc import Callable, Iterator, Sequence
+from importlib import resources
 from pathlib import Path
 from typing import Any, BinaryIO, TypeAlias
 
@@ -129,6 +130,11 @@ def toml_of(data: bytes, path: PathLike, deepest: int = 100) -> dict[str, Any]:
         deep = isinstance(error, RecursionError)
         what = "it is larger than 1 MiB or nested too deeply" if deep else "a number has no end"
         raise FormatError(f"is no TOML that can be used: {what}", where=str(path)) from error
+
+
+def shipped(file: str) -> str:
+    """The text of a file of this package, such as ``view/static/page.html``."""
+    return resources.files("drystone").joinpath(file).read_text("utf-8")
 
 
 def lines_of(text: str) -> Iterator[str]:

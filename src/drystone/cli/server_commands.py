@@ -5,13 +5,12 @@ from __future__ import annotations
 import os
 import sys
 import webbrowser
-from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import click
 
-from drystone.base.files import write_bytes
+from drystone.base.files import shipped, write_text
 from drystone.cli import kinds, output
 from drystone.cli.command import command
 from drystone.cli.model_input import HOW
@@ -47,8 +46,7 @@ def live(
     machine only. It ends with Ctrl-C, or ten seconds after the last window is closed.
     """
     if client is not None:
-        text = resources.files("drystone.live").joinpath("client.py").read_bytes()
-        write_bytes(client, text)
+        write_text(client, shipped("live/client.py"))
         output.say(f"wrote {client}")
         return
     if model is None:

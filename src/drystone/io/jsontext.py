@@ -15,7 +15,7 @@ import numpy as np
 
 from drystone.base.arrays import Floats, Ints
 from drystone.base.errors import FormatError, InputError
-from drystone.base.files import decode, toml_of
+from drystone.base.files import decode, shipped, toml_of
 
 _LARGEST_WHOLE = 2**53
 """Floats represent all whole numbers up to this one."""
@@ -66,6 +66,12 @@ def parse_toml(data: bytes, path: Path) -> Field:
         Not TOML (the line is named), or it takes too much to be read.
     """
     return Field(toml_of(data, path), "", path)
+
+
+def standard(file: str) -> Field:
+    """The top-level table of a TOML file of this package, such as ``seismic/standards/ec8``."""
+    name = Path(f"{file}.toml")
+    return parse_toml(shipped(f"{file}.toml").encode("utf-8"), Path(name.name))
 
 
 class _TwiceError(ValueError):

@@ -8,12 +8,11 @@ import multiprocessing
 import threading
 import time
 from collections.abc import Callable, Mapping
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
 from drystone.base.errors import InputError
-from drystone.base.files import MIB
+from drystone.base.files import MIB, shipped
 from drystone.live.desk import Desk
 from drystone.live.helper import ToolCalls
 from drystone.live.web import WebServer
@@ -208,10 +207,9 @@ class Watch:
 
 def _page_of(desk: Desk) -> str:
     """The page of the model of the file as it was read last."""
-    static = resources.files("drystone.live").joinpath("static")
 
     def read(name: str) -> str:
-        return static.joinpath(name).read_text(encoding="utf-8")
+        return shipped(f"live/static/{name}")
 
     number = desk.current
     kept = desk.models[number]

@@ -20,7 +20,6 @@ from drystone.geometry.frames import AXES
 from drystone.loads.case import LoadCase
 from drystone.loads.ground_words import (
     Reader,
-    degrees_told,
     length,
     pressure,
     pressure_ratio,
@@ -116,9 +115,8 @@ class Earth(Options):
             "wall_friction": units.coefficient,
             "blocks": str,
         }
-        given = read_words(text, "earth", known, "side=-x,weight=18kN/m3,k=0.33")
-        with degrees_told(text, k="active:", wall_friction=""):
-            made = cls(**given)
+        example = "side=-x,weight=18kN/m3,k=0.33"
+        made = read_words(cls, text, "earth", known, example, k="active:", wall_friction="")
         if soil and made.wall_friction > (1.0 + SAME) * soil[0]:
             wall, own = (f"{math.degrees(math.atan(x)):.3g}" for x in (made.wall_friction, soil[0]))
             raise InputError(

@@ -18,7 +18,6 @@ from drystone.loads.case import DOWN, STANDARD_GRAVITY, LoadCase
 from drystone.loads.ground_words import (
     Reader,
     between,
-    degrees_told,
     grade,
     length,
     pressure_ratio,
@@ -134,9 +133,10 @@ class Fill(Options):
             "grade": grade,
             "between": between,
         }
-        given = read_words(text, "fill", known, "cover=0.3m,weight=20kN/m3")
-        with degrees_told(text, k="active:", passive="passive:", spread=""):
-            return cls(**given)
+        example = "cover=0.3m,weight=20kN/m3"
+        return read_words(
+            cls, text, "fill", known, example, k="active:", passive="passive:", spread=""
+        )
 
     def on(self, assembly: Assembly) -> LoadCase:
         """Its weight, and its pressure by ``k``, on the free blocks."""

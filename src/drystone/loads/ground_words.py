@@ -3,24 +3,33 @@
 from __future__ import annotations
 
 import math
-import re
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
-from typing import Any
+from collections.abc import Callable, Mapping
+from typing import Any, TypeVar
 
 from drystone.base import units
 from drystone.base.errors import InputError, meant
+from drystone.base.hints import beyond, documented
 from drystone.loads.case import STANDARD_GRAVITY
 
+T = TypeVar("T")
 Reader = Callable[[str], Any]
 _MASSES = {name: STANDARD_GRAVITY * kg for name, kg in units.MASSES.items()}
 
 
-def read_words(text: str, what: str, known: Mapping[str, Reader], example: str) -> dict[str, Any]:
-    """The values of ``name=value,name=value``.
+def read_words(
+    of: Callable[..., T],
+    text: str,
+    what: str,
+    known: Mapping[str, Reader],
+    example: str,
+    **angles: str,
+) -> T:
+    """What is made of the values of ``name=value,name=value``.
 
     Parameters
     ----------
+    of
+        Makes it, and says in its documentation how large a ratio may be.
     text
     what
         Is described.
@@ -28,6 +37,8 @@ def read_words(text: str, what: str, known: Mapping[str, Reader], example: str) 
         Names, and what reads the value of each.
     example
         Its names must be given.
+    **angles
+        What comes before an angle, by the names of ratios that can be given as one.
 
     Raises
     ------
@@ -48,33 +59,21 @@ def read_words(text: str, what: str, known: Mapping[str, Reader], example: str) 
             found[name] = known[name](value)
         except InputError as error:
             raise InputError(f"{name}: {error.what}", remedy=error.remedy) from error
+        if name in angles:
+            _refuse_degrees(of, name, found[name], value, angles[name])
     for part in example.split(","):
         name = part.partition("=")[0]
         if name not in found:
             raise InputError(f"{what} has no {name}", remedy=f"write {example}")
-    return found
+    return of(**found)
 
 
-@contextmanager
-def degrees_told(text: str, **angles: str) -> Iterator[None]:
-    """Tell of a ratio that is too large how the same number is written as an angle.
-
-    Parameters
-    ----------
-    text
-        Of ``name=value,name=value``.
-    **angles
-        What comes before the angle, by the names that can have one.
-    """
-    try:
-        yield
-    except InputError as error:
-        name = error.what.partition(" is ")[0]
-        typed = re.search(rf"\b{name}\s*=\s*([\d.]+)\s*(,|$)", text)
-        if name not in angles or typed is None or float(typed[1]) >= 90.0:
-            raise
-        told = f"{error.remedy}; degrees are written {name}={angles[name]}{typed[1]}deg"
-        raise InputError(error.what, remedy=told) from error
+def _refuse_degrees(of: Any, name: str, ratio: float, typed: str, before: str) -> None:
+    """Refuse a ratio that is too large, and tell how the same number is written as an angle."""
+    most = beyond(ratio, documented(of)[name]["ends"])
+    if most and ratio < 90.0 and typed.replace(".", "").isdecimal():
+        remedy = f"{most}; degrees are written {name}={before}{typed}deg"
+        raise InputError(f"{name} is {ratio:g}", remedy=remedy)
 
 
 def before(text: str, unit: str, example: str) -> str:

@@ -6,7 +6,6 @@ import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
-from importlib import resources
 from pathlib import Path
 from typing import Any, Self
 
@@ -14,7 +13,7 @@ import numpy as np
 
 from drystone.base.arrays import Floats, frozen_floats
 from drystone.base.errors import InputError, counted, located, meant
-from drystone.base.files import read_bytes, toml_of
+from drystone.base.files import read_bytes, shipped, toml_of
 from drystone.base.settings import Options
 from drystone.base.units import quantity
 from drystone.loads.fill import Tops
@@ -204,5 +203,4 @@ def _axles(texts: Sequence[Any], where: str) -> tuple[tuple[float, ...], tuple[f
 
 @cache
 def _library() -> Mapping[str, Mapping[str, Any]]:
-    text = resources.files("drystone.loads").joinpath("trains.toml").read_text("utf-8")
-    return tomllib.loads(text)
+    return tomllib.loads(shipped("loads/trains.toml"))

@@ -9,7 +9,6 @@ import json
 from collections.abc import Sequence
 from functools import cache
 from heapq import heappop, heappush
-from importlib import resources
 from itertools import product
 from typing import Any
 
@@ -19,6 +18,7 @@ from numpy.typing import ArrayLike
 from drystone.assembly import DEFAULT_DENSITY, Assembly, Block
 from drystone.base.arrays import ROUNDING, Floats, frozen_floats
 from drystone.base.errors import InputError
+from drystone.base.files import shipped
 from drystone.geometry.coincidence import distinct
 from drystone.geometry.frames import rotation_about
 from drystone.geometry.polyhedron import BOX, body_mass_properties, box_corners
@@ -40,8 +40,7 @@ def require(holds: bool, what: str, remedy: str) -> None:
 @cache
 def sections(model: str) -> Any:
     """The sections (x, z) [m] of a model, to a micrometre or as published: ``sections.json``."""
-    text = resources.files("drystone.models").joinpath("sections.json").read_text("utf-8")
-    return json.loads(text)[model]
+    return json.loads(shipped("models/sections.json"))[model]
 
 
 def prism(

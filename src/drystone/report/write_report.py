@@ -6,7 +6,6 @@ import base64
 import html
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from importlib import resources
 from pathlib import Path
 from typing import Any, Unpack
 
@@ -14,7 +13,7 @@ import numpy as np
 
 from drystone.answer import Answer
 from drystone.base.errors import FormatError, InputError
-from drystone.base.files import PathLike, write_bytes, write_text
+from drystone.base.files import PathLike, shipped, write_bytes, write_text
 from drystone.base.settings import Clock, Progress, Stop, checked_call
 from drystone.base.table import Table
 from drystone.base.version import version
@@ -162,7 +161,7 @@ def _save(path: PathLike, title: str, entries: Mapping[str, str], *sections: Sec
 def html_of(document: Document) -> str:
     """The page as text; it asks nothing of the network."""
     title = html.escape(document.title)
-    style = resources.files("drystone.report").joinpath("report.css").read_text("utf-8")
+    style = shipped("report/report.css")
     parts = [f"<h1>{title}</h1>", _part(document.entries)]
     for section in document.sections:
         parts.append(f"<h2>{html.escape(section.title)}</h2>")

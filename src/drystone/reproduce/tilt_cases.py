@@ -13,7 +13,6 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import partial
-from importlib import resources
 from typing import Any
 
 import numpy as np
@@ -21,6 +20,7 @@ import numpy as np
 from drystone import models
 from drystone.assembly import Assembly
 from drystone.base.display import OneLine
+from drystone.base.files import shipped
 from drystone.base.units import coefficient
 from drystone.geometry.frames import AXES
 from drystone.limits import Limit, LimitOptions, limit_tilt
@@ -240,8 +240,8 @@ def studies() -> list[Study]:
     about y: it slides out at tan(tilt) = mu (1 + 2 c / d), its centre c beyond the slab's edge and
     hooked d behind it. The x of the curved cubes runs along -x of the files.
     """
-    text = resources.files("drystone.reproduce").joinpath("tilt_tests.csv").read_text("utf-8")
-    return [_study(row) for row in csv.DictReader(text.splitlines())]
+    rows = csv.DictReader(shipped("reproduce/tilt_tests.csv").splitlines())
+    return [_study(row) for row in rows]
 
 
 def _study(row: Mapping[str, str]) -> Study:

@@ -5,8 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
-from importlib import resources
-from pathlib import Path
 from typing import Any
 
 from drystone.base.display import OneLine
@@ -14,7 +12,7 @@ from drystone.base.errors import InputError
 from drystone.base.files import PathLike, as_path, digest, read_bytes
 from drystone.base.table import Table
 from drystone.base.units import measured
-from drystone.io.jsontext import Field, parse_toml
+from drystone.io.jsontext import Field, parse_toml, standard
 from drystone.loads.case import STANDARD_GRAVITY
 
 
@@ -53,7 +51,7 @@ class Spectrum(OneLine):
     @classmethod
     def ec8(cls, ground: float, soil: str, kind: int = 1) -> Spectrum:
         """The shape of EN 1998-1, type 1 or 2, on ground A to E, of ag [m/s2]."""
-        data = _data("ec8")
+        data = standard("seismic/standards/ec8")
         table = _known(data, f"type{kind}", "type")
         factor, *periods = _known(table, soil, "soil").floats(4).tolist()
         return cls(ground, factor, data["plateau"].number(), *periods)
@@ -63,7 +61,7 @@ class Spectrum(OneLine):
         cls, ground: float, plateau: float, period: float, soil: str, topography: float = 1.0
     ) -> Spectrum:
         """The shape of the Italian code, from ag [m/s2], F0 and TC* [s] of the site."""
-        data = _data("ntc")
+        data = standard("seismic/standards/ntc")
         first, slope, least, most = _known(data["stratigraphic"], soil, "soil").floats(4).tolist()
         factor = min(max(first - slope * plateau * ground / STANDARD_GRAVITY, least), most)
         scale, power = data["period"][soil].floats(2).tolist()
@@ -120,7 +118,11 @@ class LimitState(OneLine):
     @classmethod
     def named(cls, edition: str = "2009", name: str = "SLV") -> LimitState:
         """From the data of an edition."""
-        row = _known(_known(_data("kinematic")["states"], edition, "edition"), name, "state")
+        row = _known(
+            _known(standard("seismic/standards/kinematic")["states"], edition, "edition"),
+            name,
+            "state",
+        )
         numbers = ("q", "ultimate", "secant", "factor", "damping")
         return cls(edition, name, *(row.get(one, 0.0).number() for one in numbers))
 
@@ -255,7 +257,10 @@ class SeismicDemand(OneLine):
         Source: Circolare 7/2019, eq. C7.2.5, C7.2.6 and C8.7.1.12, with the first mode. The damping
         in C7.2.6 is read as a share: as a percentage a storey would amplify nothing.
         """
-        first, last = (_data("kinematic")["storey"][one].number() for one in ("first", "last"))
+        first, last = (
+            standard("seismic/standards/kinematic")["storey"][one].number()
+            for one in ("first", "last")
+        )
         most = 1.1 * (0.01 * self.building_damping) ** -0.5 * ground.damping
 
         def at(one: float) -> float:
@@ -302,11 +307,6 @@ class SeismicDemand(OneLine):
         return Table("site and limit state", {"of": list(names), "value": list(texts)})
 
 
-def _data(name: str) -> Field:
-    folder = resources.files("drystone.seismic").joinpath("standards")
-    return parse_toml(folder.joinpath(f"{name}.toml").read_bytes(), Path(f"{name}.toml"))
-
-
 def _known(table: Field, key: str, what: str) -> Field:
     if key not in table.value:
         names = ", ".join(name.removeprefix("type") for name in table.value if name != "plateau")
@@ -333,7 +333,7 @@ def _behaviour(top: Field, state: LimitState) -> Field:
 
 def _confidence(top: Field, edition: str) -> Field:
     """The factor FC: a number, or a level of knowledge; that of the edition when left out."""
-    data = _data("kinematic")
+    data = standard("seismic/standards/kinematic")
     given = top.get("confidence", data["level"][edition].text())
     if not isinstance(given.value, str):
         return given

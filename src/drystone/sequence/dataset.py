@@ -11,7 +11,6 @@ import hashlib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, partial
-from importlib import resources
 from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias, Unpack
 
@@ -22,7 +21,7 @@ from drystone.answer.drawing import bare_scene
 from drystone.base.arrays import Bools, Floats, frozen
 from drystone.base.display import OneLine
 from drystone.base.errors import FormatError, InputError, counted
-from drystone.base.files import PathLike, as_path, write_text
+from drystone.base.files import PathLike, as_path, shipped, write_text
 from drystone.base.journal import Journal
 from drystone.base.settings import Clock, Options, checked_call
 from drystone.base.table import Table
@@ -199,7 +198,7 @@ class Dataset(Answer):
         lines = [heads, ["---"] * len(heads), *rows]
         table = "\n".join(f"| {' | '.join(map(str, line))} |" for line in lines)
         end = f"Not complete: {self.stopped}.\n\n" if self.stopped else ""
-        card = resources.files("drystone.sequence").joinpath("dataset.md").read_text("utf-8")
+        card = shipped("sequence/dataset.md")
         return card.format(title=self.title, end=end, table=table, version=version(),
                            options=self.options, shard=SHARD)  # fmt: skip
 

@@ -5,9 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from importlib import resources
 from itertools import chain, compress, product
-from pathlib import Path
 
 import numpy as np
 
@@ -15,7 +13,7 @@ from drystone.base.arrays import Ints
 from drystone.base.display import OneLine
 from drystone.base.errors import meant
 from drystone.base.files import PathLike, as_path, read_bytes
-from drystone.io.jsontext import Field, parse_toml
+from drystone.io.jsontext import Field, parse_toml, standard
 from drystone.io.opening import kept_of
 from drystone.joint_capacity import NO_LIMIT
 from drystone.loads import LoadCase
@@ -333,17 +331,15 @@ def _weights(action: Action, words: Sequence[Field], model: Model) -> Ints:
     return count
 
 
+_STANDARDS = ("en1990",)
+
+
 def _standard(top: Field) -> Field:
     """The data of a standard."""
     name = top.get("standard", "en1990")
-    folder = resources.files("drystone.studies").joinpath("standards")
-    known = sorted(
-        one.name.removesuffix(".toml") for one in folder.iterdir() if one.name != "en1996.toml"
-    )
-    if name.text() not in known:
-        raise name.error(f"there is no standard '{name.text()}'", meant(name.text(), known))
-    file = f"{name.text()}.toml"
-    return parse_toml(folder.joinpath(file).read_bytes(), Path(file))
+    if name.text() not in _STANDARDS:
+        raise name.error(f"there is no standard '{name.text()}'", meant(name.text(), _STANDARDS))
+    return standard(f"studies/standards/{name.text()}")
 
 
 def listed(values: Iterable[float], between: str = ", ") -> str:
@@ -354,8 +350,7 @@ def listed(values: Iterable[float], between: str = ", ") -> str:
 def _gamma(one: Field) -> float:
     """A factor by which something is divided: a number, or a class of EN 1996."""
     if isinstance(one.value, str):
-        folder = resources.files("drystone.studies").joinpath("standards")
-        table = parse_toml(folder.joinpath("en1996.toml").read_bytes(), Path("en1996.toml"))
+        table = standard("studies/standards/en1996")
         classes = {
             f"{name}{number}": float(value)
             for name, each in table["masonry"].items()

@@ -11,13 +11,14 @@ import math
 import tempfile
 import webbrowser
 from collections.abc import Callable, Mapping
-from importlib import import_module, resources
+from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError, require
+from drystone.base.files import shipped
 from drystone.base.settings import checked_call
 from drystone.view.figure import save_figure
 from drystone.view.page import page_text, save_page
@@ -73,8 +74,7 @@ def packed(page: str) -> str:
     Browsers support that since 2023.
     """
     small = base64.b64encode(gzip.compress(page.encode("utf-8"), mtime=0)).decode("ascii")
-    static = resources.files("drystone.view").joinpath("static")
-    return static.joinpath("unpacking.html").read_text("utf-8").replace("PACKED", small)
+    return shipped("view/static/unpacking.html").replace("PACKED", small)
 
 
 def _framed(page: str, style: str) -> str:
@@ -234,9 +234,8 @@ def _widget_class() -> Any:
     require("anywidget", "notebook", "a page that answers")
     anywidget: Any = importlib.import_module("anywidget")
     traitlets: Any = importlib.import_module("traitlets")
-    static = resources.files("drystone.view").joinpath("static")
     fields: dict[str, Any] = {
-        "_esm": static.joinpath("widget.js").read_text(encoding="utf-8"),
+        "_esm": shipped("view/static/widget.js"),
         "page": traitlets.Unicode("").tag(sync=True),
         "height": traitlets.Int(480).tag(sync=True),
         "sliders": traitlets.List([]).tag(sync=True),

@@ -6,7 +6,6 @@ import html
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from importlib import resources
 from os import PathLike
 
 import numpy as np
@@ -15,7 +14,7 @@ from drystone.answer.chart import Chart, MarkKind, Marks
 from drystone.answer.scene import Scene
 from drystone.base import units
 from drystone.base.arrays import Floats
-from drystone.base.files import write_text
+from drystone.base.files import shipped, write_text
 from drystone.base.settings import checked_call
 from drystone.contacts import Contacts
 from drystone.results import Result
@@ -259,11 +258,10 @@ def page_of_data(data: str, title: str, aside: str = "", added: Addition | None 
     added
         Where it is served; no other page connects to anything.
     """
-    static = resources.files("drystone.view").joinpath("static")
     more = Addition() if added is None else added
 
     def read(name: str) -> str:
-        return static.joinpath(name).read_text(encoding="utf-8")
+        return shipped(f"view/static/{name}")
 
     page = read("page.html")
     for mark, text in (
