@@ -75,6 +75,3 @@ def _free() -> None:
         for member in list(vars(kind).values()):
             if isinstance(member, cached_property):
                 member.lock = RLock()  # type: ignore[attr-defined]
-
-
-__all__ = ["watch_forks"]

@@ -256,6 +256,3 @@ def _value(line: bytes) -> Any:
     if checksum != b"%08x" % zlib.crc32(text):
         raise _Damaged("its checksum differs")
     return json.loads(text)
-
-
-__all__ = ["Journal", "add_answers", "exactly"]

@@ -142,9 +142,6 @@ def _determinant(x: Floats) -> Floats:
     return np.asarray((x[:, 0] - length) * (x[:, 0] + length))
 
 
-__all__ = ["Scaling", "inner", "product", "quotient", "step_lengths"]
-
-
 BALANCED = 1e-9
 """Acceleration left, by that of free fall, at which forces balance the loads."""
 

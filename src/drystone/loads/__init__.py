@@ -1,8 +1,11 @@
 """Load cases: one wrench per block, and motions of supports."""
 
-from drystone.loads.case import DOWN, STANDARD_GRAVITY, LoadCase
-from drystone.loads.earth import Earth
-from drystone.loads.fill import Fill
-from drystone.loads.train import Train
+from drystone.base.settings import hold
+from drystone.loads.case import DOWN as DOWN
+from drystone.loads.case import STANDARD_GRAVITY as STANDARD_GRAVITY
+from drystone.loads.case import LoadCase as LoadCase
+from drystone.loads.earth import Earth as Earth
+from drystone.loads.fill import Fill as Fill
+from drystone.loads.train import Train as Train
 
-__all__ = ["DOWN", "STANDARD_GRAVITY", "Earth", "Fill", "LoadCase", "Train"]
+__all__ = hold(globals())

@@ -284,6 +284,3 @@ def _length(values: Floats) -> float:
     """Root of the sum of squares; a quarter of the time of the general norm."""
     flat = values.ravel()
     return float(np.sqrt(flat @ flat))
-
-
-__all__ = ["BALANCED", "EASY", "Increment", "Increments", "longest_way", "travelled"]

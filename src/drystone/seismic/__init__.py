@@ -1,9 +1,10 @@
 """Masonry in earthquakes: local collapse mechanisms by the kinematic method."""
 
 from drystone.base.settings import hold
-from drystone.seismic.local_mechanism import LocalMechanism, local_mechanism
-from drystone.seismic.spectrum import LimitState, SeismicDemand, Spectrum
+from drystone.seismic.local_mechanism import LocalMechanism as LocalMechanism
+from drystone.seismic.local_mechanism import local_mechanism as local_mechanism
+from drystone.seismic.spectrum import LimitState as LimitState
+from drystone.seismic.spectrum import SeismicDemand as SeismicDemand
+from drystone.seismic.spectrum import Spectrum as Spectrum
 
-__all__ = ["LimitState", "LocalMechanism", "SeismicDemand", "Spectrum", "local_mechanism"]
-
-hold(globals())
+__all__ = hold(globals())

@@ -25,8 +25,6 @@ from drystone.base.display import OneLine
 from drystone.base.errors import SolverError, counted
 from drystone.base.settings import Options
 
-__all__ = ["ConicProgram", "ProgramBuilder", "Term", "Variable"]
-
 
 @dataclass(frozen=True)
 class Variable:

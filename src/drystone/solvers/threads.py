@@ -67,5 +67,3 @@ def _alone() -> None:
 
 if hasattr(os, "register_at_fork"):
     os.register_at_fork(after_in_child=_alone)
-
-__all__ = ["one_blas_thread"]
