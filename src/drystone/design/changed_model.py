@@ -33,7 +33,8 @@ def changed(
 
     Interfaces between unchanged blocks are kept. All others are searched again. They have the
     friction and the capacity of the same two blocks before, less capacity where their area is less;
-    those of two blocks that did not touch have the median friction of the model and are dry.
+    those of two blocks that did not touch have the median friction and crushing stress of the model
+    and are dry.
 
     Parameters
     ----------
@@ -163,7 +164,8 @@ def _as_before(model: Model, part: Contacts, before: Ints, after: Ints, gone: Bo
     for name, dry in DRY.items():
         whole = total(np.asarray(getattr(capacity, name)), was)[now]
         spread = np.where(whole < NO_LIMIT, whole * share, NO_LIMIT)
-        strength[name] = np.where(known[now], spread, dry)
+        new = _usual_strength(capacity, old.area) * part.area if name == "compression" else dry
+        strength[name] = np.where(known[now], spread, new)
     _refuse_lost(model, capacity, gone, *keys)
     part = part.with_friction(friction)
     return part if old.capacity is None else part.with_capacity(capacity.with_values(strength))
@@ -206,6 +208,12 @@ def usual_friction(model: Model) -> float:
     """The median friction coefficient of the joints of a model."""
     friction = model.contacts.friction
     return float(np.median(friction)) if len(friction) else 0.6
+
+
+def _usual_strength(capacity: JointCapacity, area: Floats) -> float:
+    """The median stress [Pa] under which faces of areas (m,) [m2] crush; infinite where none do."""
+    stress = capacity.compression[area > 0.0] / area[area > 0.0]
+    return float(np.median(stress)) if (capacity.compression < NO_LIMIT).any() else NO_LIMIT
 
 
 def _carried_load(model: Model, assembly: Assembly, kept: Ints) -> LoadCase:

@@ -13,6 +13,7 @@ from drystone.assembly import Block
 from drystone.base.arrays import Ints
 from drystone.base.display import OneLine
 from drystone.base.units import quantity
+from drystone.contacts import Contacts
 from drystone.design.changed_model import acceleration_of
 from drystone.design.joint_cut import JointRecut, joint_plane, recut
 from drystone.design.props import PropSeat, with_props
@@ -47,6 +48,10 @@ _GLUE_SHARES = (0.01, 0.1, 0.3, 1.0)
 
 _BALLAST_SHARES = (0.1, 0.3, 1.0, 3.0, MOST)
 """Weights that are tried before the least one is searched, by that of the region."""
+
+_SHAPES = ("slide", "turn", "wedge", "let-in", "thicker")
+"""Kinds that change the shape or the place of blocks. A ledge of a few millimetres that comes of it
+carries as rigid blocks do, and crushes in a wall."""
 
 _LET_IN = " (of the two blocks of a joint one is cut so deep, the other as much longer)"
 
@@ -112,13 +117,29 @@ class Change(OneLine):
         )  # fmt: skip
 
     def make(self, value: float) -> Surgery:
-        """The change by a value."""
-        return partial(self.surgery, value)
+        """The change by a value; what touches only then is no joint where shapes change."""
+        made = partial(self.surgery, value)
+        return partial(_without_new_joints, made) if self.kind in _SHAPES else made
 
     def above(self, known: float) -> Change:
         """The same from a value on that is known to be the least, or lower than that."""
         low = max(self.low, known - self.close)
         return replace(self, low=low, steps=(known, *(x for x in self.steps if x > known)))
+
+
+def _without_new_joints(made: Surgery, model: Model, *where: Ints) -> Model:
+    """A changed model of the same blocks, without joints of two that did not touch before."""
+    after, old = made(model, *where), model.contacts
+    new = after.contacts
+    return after.with_contacts(
+        new.select(np.isin(_pairs(new, len(model)), _pairs(old, len(model))))
+    )
+
+
+def _pairs(contacts: Contacts, count: int) -> Ints:
+    """A number (m,) for the two blocks of each interface, in either order."""
+    ends = np.sort([contacts.block_a, contacts.block_b], axis=0)
+    return ends[0] * count + ends[1]
 
 
 def friction_change(model: Model, group: Sequence[int], where: str) -> Change:

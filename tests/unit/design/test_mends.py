@@ -484,6 +484,18 @@ def test_a_pier_gets_thicker_alone_and_a_cap_that_is_kept_does_not() -> None:
     assert not any("overhang" in one.change.description for one in both)  # the base is wider
 
 
+def test_thicker_blocks_do_not_stand_on_a_ledge_that_they_make() -> None:
+    """A block on a tilted pier; 9 % thicker it would lie on the buttress beside, with 14 mm."""
+    parts = (
+        box((0.3, 0.8, 1.0), name="pier"), box((0.5, 0.8, 1.0), (0.3, 0.0, 0.0), "buttress"),
+        box((0.3, 0.8, 1.0), (0.0, 0.0, 1.0), "top"),
+    )  # fmt: skip
+    assembly = Assembly(parts).with_fixed([0, 1])
+    model = Model.of(assembly, friction=0.7, load=LoadCase.tilt(assembly, (0.0, 1.0, 0.0), 18.0))
+    options = MendOptions(kinds=("thicker",), keep=("buttress",))
+    assert find_mends(model, options=options).mends == ()
+
+
 def test_what_a_structure_stands_without_is_no_part_of_a_margin_that_is_told() -> None:
     """A pier stands to 5.7 degrees; a prop or rougher joints are no help below that."""
     courses = [box((0.3, 0.8, 1.0), (0.0, 0.0, z), f"course-{z}") for z in range(-1, 3)]

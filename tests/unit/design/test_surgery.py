@@ -257,6 +257,10 @@ def test_a_block_that_is_inserted_finds_its_contacts() -> None:
     made = insert_block(model, hat)
     assert made.contacts.count == 2
     assert made.contacts.friction.tolist() == [0.6, 0.6]
+    weak = model.with_capacity(JointCapacity.of_stress(model.contacts, compression=5e6))
+    crushing = insert_block(weak, hat).contacts
+    assert crushing.capacity is not None
+    assert crushing.capacity.compression.tolist() == pytest.approx(5e6 * crushing.area)
     with pytest.raises(InputError, match="same name"):
         insert_block(model, hat.renamed("block-0"))
 
