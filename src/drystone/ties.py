@@ -18,7 +18,7 @@ from drystone.contacts import DRAWN, Contacts, joined_contacts
 from drystone.geometry.frames import frames_from_normals
 from drystone.joint_capacity import NO_LIMIT, JointCapacity
 from drystone.loads.fill import Tops
-from drystone.loads.load_words import vector
+from drystone.loads.load_words import position
 from drystone.loads.placing import off_block
 from drystone.model import Model
 
@@ -149,7 +149,7 @@ def _read(text: str, assembly: Assembly) -> tuple[int, int, float, _End, _End]:
     first, second = assembly.indices(names).tolist()
     if first == second or assembly.fixed[[first, second]].all():
         raise InputError("nothing is tied", remedy="name two blocks, one of them free")
-    at, anchor = (vector(one, "0,0,1.2") if one else None for one in places)
+    at, anchor = (position(one) if one else None for one in places)
     return first, second, strength, at, anchor
 
 

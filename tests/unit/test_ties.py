@@ -105,7 +105,7 @@ def test_a_tie_between_two_points_holds_by_its_lever_arm() -> None:
         found = drystone.check(
             blocks,
             friction=2.0,
-            tie=f"wall@0.5,0.5,1.9:base@-3,0.5,1.9:{pull}N",
+            tie=f"wall@500mm,500mm,1900mm:base@-3,0.5,1.9:{pull}N",
             seismic=f"{share * expected},0",
         )
         assert (found.stable, found.falls) == (stands, not stands)

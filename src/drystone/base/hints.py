@@ -26,10 +26,10 @@ _SECTIONS = ("Attributes", "Parameters")
 _ROLE = re.compile(r":\w+:`~?([^`]*)`|`+([^`]*)`+")
 """Markup of a name in a docstring."""
 _KIND = re.compile(
-    r"(?:\[(?P<unit>[^]]*)\]|(?P<plain>coefficient))?"
+    r"(?:\([-\w, ]+\) )?(?:\[(?P<unit>[^]]*)\]|(?P<plain>coefficient))?"
     r"(?P<ends>(?:,? ?[<>]=? ?[-\d.einf]+)*)(?P<rest> ?(?<=\] ).*)?"
 )
-"""Of an entry, behind its name: unit, range, and the beginning of its text."""
+"""Of an entry, behind its name: shape, unit, range, and the beginning of its text."""
 _END = re.compile(r"([<>]=?) ?([-\d.einf]+)")
 _SIDES = {">=": operator.ge, ">": operator.gt, "<=": operator.le, "<": operator.lt}
 _UNIONS = (types.UnionType, Union)

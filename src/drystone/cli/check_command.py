@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -116,6 +117,17 @@ def check(
     )  # fmt: skip
 
 
+def _refuse_farther(model: Model, to: float | None) -> None:
+    """Refuse supports that move farther than the model is large, as where mm are meant."""
+    motion, box = model.load.motion, model.assembly.bounds
+    way = to or (0.0 if motion is None else max(math.hypot(*one) for one in motion[:, :3]))
+    size = math.dist(box.min(axis=(0, 1)), box.max(axis=(0, 1)))
+    if way > size:
+        what = f"a support moves by {way:g} m, farther than the model is large ({size:.3g} m)"
+        where = "--move" if to is None else "--to"
+        raise InputError(what, where=where, remedy=f"write it in m or with its unit: {way:g}mm")
+
+
 LARGE = 0.1
 """Motion of a support by the mean size of a block from which on it is no longer small."""
 
@@ -129,8 +141,8 @@ def settle(
     move: Annotated[
         tuple[str, ...],
         Option(
-            "Motion of a support: a translation in m, and a rotation vector in degrees about its "
-            "centroid. Can be given several times.",
+            "Motion of a support: a translation in m, or such as 30mm,0,0, and a rotation vector "
+            "in degrees about its centroid. Can be given several times.",
             LOADS,
             metavar="BLOCK:DX,DY,DZ[,RX,RY,RZ]",
         ),
@@ -140,8 +152,8 @@ def settle(
         float | None,
         Option(
             "Follow the blocks by finite steps until the corner of a support that moves farthest "
-            "has moved by this, m, or they fall.",
-            kind=kinds.POSITIVE,
+            "has moved by this, or they fall.",
+            kind=kinds.LENGTH,
         ),
     ] = None,
     small: Annotated[
@@ -163,6 +175,7 @@ def settle(
         raise InputError(
             "no support moves", where="--move", remedy="write BLOCK:DX,DY,DZ, such as 0,0,-0.01"
         )
+    _refuse_farther(model, to)
     if time_limit is not None and model.load.motion is not None and to is None:
         raise InputError(
             "small motions of supports take no steps that could end early",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import TypeAlias
 
@@ -18,8 +18,11 @@ _Direction: TypeAlias = tuple[float, float, float]
 
 _GROUND: Mapping[str, type[Fill] | type[Earth]] = {"fill": Fill, "earth": Earth}
 """Loads of the ground, by the word before their values."""
-_MOST = 1e6
-"""Gravity [m/s2], and shares of the weight: no machine and no earthquake has as much."""
+_MOST = 5e3
+"""Gravity [m/s2]: 500 times that of the Earth, as in the largest centrifuges. What is given in
+mm/s2 is above it."""
+_MOST_SHARE = 500.0
+"""Of the weight, level."""
 _EXAMPLE = "a force 0,0,-500 or 2kN, a mass 80kg or a moment m=0,0,25"
 
 
@@ -38,6 +41,17 @@ def vector(text: str, example: str = "0,0,-9.81") -> tuple[float, float, float]:
     if len(values) != 3 or not all(abs(value) < float("inf") for value in values):
         raise InputError(f"'{text}' is not three finite numbers", remedy=f"write {example}")
     return values[0], values[1], values[2]
+
+
+def position(text: str) -> tuple[float, float, float]:
+    """A point (3,) [m], each number with a unit of length or all in that of the last.
+
+    Raises
+    ------
+    InputError
+        Not three lengths.
+    """
+    return _components(text, units.UNITS, "0,0,1.2")
 
 
 def gravity_vector(text: str) -> tuple[float, float, float]:
@@ -98,7 +112,7 @@ def load_of_words(
         )
     down = DOWN if gravity is None else gravity
     try:
-        at = vector(place, "0,0,1.2") if at_sign else None
+        at = position(place) if at_sign else None
         if what.startswith("m="):
             if at is not None:
                 raise InputError("a moment acts at no point", remedy="leave out what follows @")
@@ -118,18 +132,18 @@ def load_of_words(
         raise error.located(error.where or where) from error
 
 
-def _components(text: str, known: dict[str, float], example: str) -> list[float]:
+def _components(text: str, known: dict[str, float], example: str) -> _Direction:
     """Three numbers; the unit of the last is that of all numbers without one."""
     parts = text.split(",")
-    last = next((unit for unit in reversed(known) if parts[-1].strip().endswith(unit)), "")
+    plain = _unit_of_last(parts, known)
     try:
-        values = [units.measured(part, known, known[last] if last else 1.0) for part in parts]
+        values = [units.measured(part, known, plain) for part in parts]
     except InputError as error:
         what = f"'{text}' is not X,Y,Z: {error.what}"
         raise InputError(what, remedy=f"write {example}") from error
     if len(values) != 3:
         raise InputError(f"'{text}' is not three finite numbers", remedy=f"write {example}")
-    return values
+    return values[0], values[1], values[2]
 
 
 def move_of_words(text: str, assembly: Assembly) -> LoadCase:
@@ -145,10 +159,22 @@ def move_of_words(text: str, assembly: Assembly) -> LoadCase:
         raise InputError(
             f"'{text}' names no block", where="move", remedy="write BLOCK:DX,DY,DZ[,RX,RY,RZ]"
         )
-    values = [_number(part, "move") for part in rest.split(",")]
+    parts = rest.split(",")
+    plain = _unit_of_last(parts[:3], units.UNITS)
+    moved = [
+        units.length(part, "move") if part.strip().endswith(tuple(units.UNITS))
+        else plain * _number(part, "move")
+        for part in parts[:3]
+    ]  # fmt: skip
+    turned = [math.radians(_number(part, "move")) for part in parts[3:]]
     with located("move"):
-        turned = [math.radians(value) for value in values[3:]]
-        return LoadCase.settlement(assembly, block, values[:3] + turned)
+        return LoadCase.settlement(assembly, block, moved + turned)
+
+
+def _unit_of_last(parts: Sequence[str], known: Mapping[str, float]) -> float:
+    """The unit of the last of some numbers, which is that of all numbers without one."""
+    last = units.NUMBER.fullmatch(parts[-1])
+    return 1.0 if last is None else known.get(last[2], 1.0)
 
 
 def seismic_of_words(text: str, assembly: Assembly) -> LoadCase:
@@ -157,8 +183,8 @@ def seismic_of_words(text: str, assembly: Assembly) -> LoadCase:
     if len(parts) not in (1, 2):
         raise InputError(f"'{text}' is not KX,KY", where="seismic", remedy="write 0.1,0")
     shares = [_number(part, "seismic") for part in parts]
-    if math.hypot(*shares) > _MOST:
-        raise InputError(f"is {text}", where="seismic", remedy=f"give shares up to {_MOST:g}")
+    if math.hypot(*shares) > _MOST_SHARE:
+        raise InputError(f"is {text}", where="seismic", remedy=f"give shares up to {_MOST_SHARE:g}")
     return LoadCase.seismic(assembly, *shares)
 
 

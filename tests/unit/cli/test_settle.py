@@ -101,6 +101,19 @@ def test_its_files_are_a_page_of_two_stages_a_figure_and_the_joints_after(
     assert normal == pytest.approx([row["normal"] for row in rows])
 
 
+def test_lengths_of_a_motion_have_units(tmp_path: Path, capsys: Capsys) -> None:
+    path = tmp_path / "arch.json"
+    io.write(arch(0.2, 8), path)
+    plain, unit = (
+        answer(capsys, "settle", str(path), "--move", f"springer-right:{way}", "--friction", "0.7")
+        for way in ("0.03,0,0", "30,0,0mm")
+    )
+    assert plain[1]["motion"] == unit[1]["motion"]
+    for options in (["springer-right:30,0,0"], ["springer-right:1,0,0", "--to", "30"]):
+        assert main(["settle", str(path), "--move", *options]) == 2
+        assert "write it in m or with its unit: 30mm" in capsys.readouterr().err
+
+
 def test_a_support_turns_by_degrees(tmp_path: Path, capsys: Capsys) -> None:
     path = tmp_path / "arch.json"
     io.write(arch(0.2, 8), path)
