@@ -112,9 +112,13 @@ class Limit(LimitValues, Answer):
             falling = None if self.robust is None else self.robust.falling
             if falling is not None and falling.sensitive_to == (Sensitivity.PRESSURE,):
                 return [f"{between} pressure within joints: it stands on their corners only"]
+            every = (one for one in (self.uniform, self.rest, self.robust) if one is not None)
+            safe = min(every, key=lambda one: self._from_start(one.stands))
+            use = "" if safe.stands is None else self._short(safe.stands, safe)
             return [
                 f"{between} stiffness of the joints: there the blocks were followed by finite "
-                "steps, and the limit is where they no longer come to rest"
+                f"steps, and the limit is where they no longer come to rest"
+                f"{use and '; for design use '}{use}"
             ]
         standing = None if self.robust is not None else self.best.standing
         if standing is None or not standing.corners_needed:

@@ -3,6 +3,7 @@
 import itertools
 import json
 import pickle
+import re
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
@@ -628,6 +629,8 @@ def test_a_limit_tells_where_stiffness_decides_and_for_every_stiffness_if_asked(
     assert low == pytest.approx(limit.robust.stands)
     assert high == pytest.approx(limit.falls)
     assert "depends on the stiffness of the joints" in limit.remarks[0]
+    safe = re.search(r"; for design use ([\d.]+)°$", limit.remarks[0])
+    assert float(safe[1]) == pytest.approx(limit.robust.stands, abs=0.01)
     assert limit.to_dict()["sensitive_between"] == [low, high]
     plain = limit_tilt(Model(TOWER, JOINTS), "x", options=LimitOptions(scan=1, width=20.0))
     assert plain.robust is None
