@@ -7,7 +7,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-from drystone.base.errors import InputError, counted
+from drystone.base.errors import InputError, counted, located
 from drystone.cli import kinds, offered
 from drystone.cli.command import command
 from drystone.cli.model_input import Source, Subject
@@ -51,9 +51,12 @@ def mend(
         bool, Option("List what was tried without success, too.", flags=("--all",), expert=True)
     ] = False,
     apply: Annotated[
-        int | None,
+        tuple[int, ...] | None,
         Option(
-            "Number of the mend to make, as in the list.", OUTPUT, kind=kinds.COUNT, expert=True
+            "Numbers of the mends to make, as in the list: one for each part that falls, as 1,4.",
+            OUTPUT,
+            kind=kinds.COUNTS,
+            expert=True,
         ),
     ] = None,
     pages: Annotated[
@@ -102,41 +105,30 @@ def mend(
         mends = design.find_mends(model, options=chosen, **common)
     stands = not mends.mends and not mends.diagnosis.regions
     pictures = replace(wanted, out=None)
-    notes = [*model.notes]
-    if everything:
-        notes += mends.failures()
-    elif mends.tried:
-        notes.append("--all lists every mend, and all that was tried without success")
-    if mends.mends and chosen.margin == design.DesignMargin():
-        notes.append("each stands without a margin: --margin tilt=2deg asks for one")
+    notes = [*model.notes, *_notes(mends, chosen, everything)]
     if stands and wanted.out is not None:
         notes.append(f"{wanted.out} is not written: no mend is needed")
     told = Told(mends, notes=notes, files=partial(pictures.of, mends))
     if apply is not None and not stands:
-        if not 1 <= apply <= len(mends.mends):
-            raise _not_listed(apply, mends)
-        from drystone.stability import check
-
-        one = mends.mends[apply - 1]
-        result = check(one.model)
-        made_one = replace(one, result=result, stands=result.stable)
+        with waiting.keywords(time_limit) as common, located("--apply"):
+            made_some = mends.together(apply, options=chosen, **common)
         told = replace(
-            told, also={"applied": made_one}, exit_code=made_one.code,
-            files=partial(wanted.of, made_one),
+            told, also={"applied": made_some}, exit_code=made_some.code,
+            files=partial(wanted.of, made_some),
         )  # fmt: skip
     if pages is not None:
         told = replace(told, files=partial(_with_pages, told.files, mends, pages), into=pages)
     return told
 
 
-def _not_listed(apply: int, mends: Mends) -> InputError:
-    """What is said of a number that no mend has."""
-    if mends.mends:
-        what, remedy = f"{len(mends.mends)} were found", "give the number of one that is listed"
-    else:
-        tried = ", ".join(dict.fromkeys(one.kind for _, one in mends.tried))
-        what, remedy = f"{tried or 'nothing'} failed", "leave it out, with --all, to see why"
-    return InputError(f"there is no mend {apply}: {what}", where="--apply", remedy=remedy)
+def _notes(mends: Mends, chosen: MendOptions, everything: bool) -> list[str]:
+    """What is not in the list of mends, or that there is more; and that no margin was asked for."""
+    notes = mends.failures() if everything else []
+    if mends.tried and not everything:
+        notes = ["--all lists every mend, and all that was tried without success"]
+    if mends.mends and chosen.margin == type(chosen.margin)():
+        notes.append("each stands without a margin: --margin tilt=2deg asks for one")
+    return notes
 
 
 def _with_pages(others: Any, mends: Mends, folder: Path) -> Files:
@@ -149,7 +141,7 @@ def _with_pages(others: Any, mends: Mends, folder: Path) -> Files:
     return jobs, notes
 
 
-def _refuse(diagnose: bool, auto: bool, apply: int | None, out: Path | None) -> None:
+def _refuse(diagnose: bool, auto: bool, apply: tuple[int, ...] | None, out: Path | None) -> None:
     """Refuse options that contradict each other."""
     if diagnose + auto + (apply is not None) > 1:
         raise InputError(

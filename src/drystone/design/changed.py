@@ -98,7 +98,7 @@ class Changed(Answer):
     result
         The check of ``model``, or that of the case of the margin in which it falls.
     stands
-        Whether it stands as was asked for.
+        Whether it stands as was asked for; no, where the check held other blocks that still fall.
     words
         What was changed, in a few words; empty where nothing was.
     changes
@@ -138,6 +138,13 @@ class Changed(Answer):
         return self.changes[0]
 
     @property
+    def held(self) -> tuple[str, ...]:
+        """Blocks that still fall: the check held them, and the structure does not."""
+        free = {self.model.assembly.names[i] for i in self.model.assembly.free}
+        now = self.result.assembly
+        return tuple(now.names[i] for i in np.flatnonzero(now.fixed) if now.names[i] in free)
+
+    @property
     def message(self) -> str:
         """How it ended."""
         return self.log[-1] if self.log else ""
@@ -158,10 +165,17 @@ class Changed(Answer):
         role = Role.GOOD if self.stands else Role.BAD if result.falls else Role.UNSURE
         at_margin = self.stands or result.model is self.model
         word = result.verdict.upper() if at_margin else "STANDS, not at the margin"
+        word = "HOLDS ONE PART, OTHERS STILL FALL" if self.held else word
         word += ", changed" if self.words else ""
         steps = any(step.description in one for one in self.log for step in self.changes)
-        told = dict.fromkeys(one for one in (*([] if steps else [self.title]), *self.log) if one)
+        told = dict.fromkeys([*([] if steps else [self.title]), *self.log, self._still_falls])
+        told.pop("", None)
         return [Sentence(word, role), *map(Sentence, told)]
+
+    @property
+    def _still_falls(self) -> str:
+        """Which blocks still fall, though the check held them."""
+        return f"still falls, held in this trial only: {named(self.held)}" if self.held else ""
 
     def tables(self) -> Sequence[Table]:
         """The changes, the free mass before and after, and what the check has."""
@@ -203,6 +217,9 @@ class Changed(Answer):
         added &= stage.state != State.FALLING
         state = np.where(added, State.ADDED, stage.state)
         stage = replace(stage, state=state, layers=tuple(layers))
+        if self.held:
+            state[result.assembly.indices(self.held)] = State.FALLING
+            stage = replace(stage, headline=f"S{self._still_falls[1:]}", role=Role.UNSURE)
         facts = {**self.asked.facts(), "Changed": self.words}
         shown = {name: text for name, text in facts.items() if text}
         return Scene(result.assembly, result.contacts, (stage,), "drystone: mended", shown)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
-from itertools import chain
 from typing import Any, Unpack
 
 import numpy as np
@@ -15,7 +14,7 @@ from drystone.answer.chart import Chart
 from drystone.answer.scene import side_by_side
 from drystone.base.display import named, rounded_down, shortened
 from drystone.base.errors import InputError, counted
-from drystone.base.settings import Clock, Options, Stop, checked_call
+from drystone.base.settings import Clock, LongWork, Options, Stop, checked_call
 from drystone.base.workers import WorkerPool
 from drystone.design.bench import Tried
 from drystone.design.changed import Changed, Kept
@@ -24,7 +23,7 @@ from drystone.design.margin import QUICK, DesignMargin
 from drystone.design.mend_kinds import KINDS
 from drystone.design.needs import NEEDED, refuse_other_kinds
 from drystone.design.whole_check import mends_of_kind
-from drystone.design.words import NOTHING, listed
+from drystone.design.words import NOTHING, listed, names_of
 from drystone.io.opening import Given, LongHow, as_model
 from drystone.limits.bounds import with_margins
 from drystone.model import Model
@@ -202,6 +201,70 @@ class Mends(Answer):
         """The mends of the region with these blocks."""
         return tuple(mend for mend in self.mends if set(mend.change.blocks) == set(blocks))
 
+    def together(
+        self,
+        numbers: Sequence[int],
+        *,
+        options: MendOptions | None = None,
+        **how: Unpack[LongWork],
+    ) -> Changed:
+        """The structure with some of the mends, each of another region, and its check.
+
+        Where one is made, those after it are sought once more, by their kind.
+
+        Parameters
+        ----------
+        numbers
+            Of the mends, the first one is 1.
+        options
+            Those of the search.
+
+        Raises
+        ------
+        InputError
+            There is no such mend, two are of one region, or one is not found once more.
+        """
+        first, *others = self._chosen(numbers)
+        clock, model, kept = Clock.of(how), first.model, [first.change]
+        for wanted in (one.change for one in others):
+            besides = {frozenset(one.change.blocks) for one in self.mends}
+            few = replace(MendOptions.of(options), kinds=(wanted.kind,))
+            again = find_mends(
+                model, options=few, besides=besides - {frozenset(wanted.blocks)}, **clock.rest
+            ).of(wanted.blocks)
+            start = wanted.description.partition(";")[0]
+            like = [one for one in again if one.change.description.startswith(start)]
+            if not again:
+                raise InputError(
+                    f"'{start}' is not found once the mends before it are made",
+                    remedy="write these with --out, and mend that file",
+                )
+            model, kept = (like or again)[0].model, [*kept, (like or again)[0].change]
+        result = check(model, stop=clock.late)
+        words = "; ".join(one.description for one in kept)
+        log = () if result.stable else (_left(result, ""),)
+        return Changed(first.before, model, result, result.stable, words, tuple(kept), log)
+
+    def _chosen(self, numbers: Sequence[int]) -> list[Changed]:
+        """The mends with some numbers, each of another region."""
+        for number in numbers:
+            if not 1 <= number <= len(self.mends):
+                raise InputError(
+                    f"there is no mend {number}: {self._found}",
+                    remedy="give numbers that are listed" if self.mends else "leave it out",
+                )
+        chosen = [self.mends[number - 1] for number in numbers]
+        if len({one.change.blocks for one in chosen}) < len(chosen):
+            raise InputError("two mends are of the same blocks", remedy="give one of each part")
+        return chosen
+
+    @property
+    def _found(self) -> str:
+        """How many mends there are, or what failed."""
+        tried = ", ".join(dict.fromkeys(one.kind for _, one in self.tried))
+        count = len(self.mends)
+        return f"{count} were found" if count else f"{tried or 'nothing'} failed"
+
     @property
     def model(self) -> Model:
         """The structure."""
@@ -231,7 +294,7 @@ class Mends(Answer):
         failed = [Sentence(self._failed(), Role.REMARK)] if self.tried else []
         near = [f"less than the margin: {one.less}" for _, one in self.tried if one.less]
         failed += [Sentence(text, Role.REMARK) for text in near]
-        mends = [Sentence(text) for text in self._told()]
+        mends = [Sentence(text) for text in self._told(self._listed())]
         only = {region.sentence: self._only(region) for region in self.diagnosis.regions}
         reasons = [one for one in reasons if one.text not in (self.message, NOTHING)]
         reasons = [replace(one, text=one.text + only.get(one.text, "")) for one in reasons]
@@ -249,17 +312,15 @@ class Mends(Answer):
         return f" ({'; '.join(only.values())})" if only else ""
 
     def _listed(self) -> list[str]:
-        """A line for each mend; where several regions fall and it has no name, that of each."""
-        several = len({one.change.blocks for one in self.mends}) > 1
+        """A line for each mend."""
         lines = []
         for number, one in enumerate(self.mends, 1):
             kept, result = one.change, one.result
-            of = f", of {kept.whose}" if several and kept.whose else ""
             told = f"cost {kept.cost:.3g}"
             if result.tilt_margin is not None:
                 tilt = rounded_down(result.tilt_margin, 2)
                 told += f", margin: {tilt:g} degrees of tilt" if tilt >= 0.1 else ", no margin"
-            lines.append(f"mend {number}{of}: {kept.description} ({told})")
+            lines.append(f"mend {number}: {kept.description} ({told})")
         return lines
 
     def _alike(self) -> list[list[int]]:
@@ -272,20 +333,59 @@ class Mends(Answer):
             like.setdefault(key if any(size) else (i,), []).append(i)
         return list(like.values())
 
-    def _told(self) -> list[str]:
+    def _shown(self, lines: Sequence[str]) -> dict[int, str]:
         """The lines of those that are not like one before them, with the numbers of those."""
-        lines = self._listed()
+        shown = dict(enumerate(lines))
         for first, *others in self._alike():
             if others:
                 what = "is mend" if len(others) == 1 else "are mends"
                 numbers = listed([f"{i + 1}" for i in others])
-                lines[first] += f"; like it {what} {numbers}, elsewhere"
-        return [lines[first] for first, *_ in self._alike()]
+                shown[first] += f"; like it {what} {numbers}, elsewhere"
+        return {first: shown[first] for first, *_ in self._alike()}
+
+    def _told(self, lines: Sequence[str], *, every: bool = False) -> list[str]:
+        """The lines of the mends, by the parts that fall; unless ``every`` not of those alike."""
+        shown = dict(enumerate(lines)) if every else self._shown(lines)
+        parts = self._parts()
+        if len(parts) < 2:
+            return list(shown.values())
+        said = f"{len(parts)} parts fall, and a mend holds its own part only"
+        if all(parts.values()):
+            best = ",".join(f"{own[0] + 1}" for own in parts.values())
+            said += f": one of each is needed, --auto or --apply {best} makes the cheapest of each"
+        told, before = [said], dict[tuple[Any, ...], list[int]]()
+        for blocks, own in parts.items():
+            same = before.setdefault(self._what(own), own)
+            who = names_of(self.model, self.model.assembly.indices(blocks).tolist())
+            if not own:
+                told.append(f"for {who}: no mend was found")
+            elif same is own or every:
+                told += [f"for {who}:", *(shown[i] for i in own if i in shown)]
+            else:
+                told.append(f"for {who}, alike: {_numbers(own)}, as {_numbers(same)}")
+        return told
+
+    def _parts(self) -> dict[tuple[str, ...], list[int]]:
+        """Positions of the mends of each region that falls, by the names of its blocks."""
+        names = self.model.assembly.names
+        regions = [tuple(names[i] for i in region.blocks) for region in self.diagnosis.regions]
+        parts: dict[tuple[str, ...], list[int]] = {blocks: [] for blocks in regions}
+        for i, one in enumerate(self.mends):
+            parts.setdefault(one.change.blocks, []).append(i)
+        return parts
+
+    def _what(self, some: Sequence[int]) -> tuple[Any, ...]:
+        """What mends are, whichever blocks they hold."""
+        each = [self.mends[i].change for i in some]
+        return tuple(
+            (one.kind, one.joints, one.added, f"{one.value:.2g}", f"{one.cost:.2g}") for one in each
+        )
 
     def failures(self) -> list[str]:
         """A line for each mend that is like another one, and for each tried without success."""
-        lines, others = self._listed(), chain.from_iterable(some[1:] for some in self._alike())
-        more = [lines[i] for i in sorted(others)]
+        lines = self._listed()
+        told = self._told(lines)
+        more = [line for line in lines if not any(one.startswith(line) for one in told)]
         return more + [f"{named(blocks)}: {one.kind}: {one.what}" for blocks, one in self.tried]
 
     def _failed(self) -> str:
@@ -304,14 +404,16 @@ class Mends(Answer):
         scene = self.figure()
         if not self.mends:
             return scene
-        listed = self._listed()
-        caption = "\n".join(f"{text}: --apply {i}" for i, text in enumerate(listed, 1))
-        chart = Chart("Mends", caption=caption)
+        told = self._listed()
+        lines = [f"{text}: --apply {i}" for i, text in enumerate(told, 1)]
+        chart = Chart("Mends", caption="\n".join(self._told(lines, every=True)))
         few = self.mends[: _DRAWN // max(len(self.model), 1)]
         stages = [scene.stages[0]]
-        for text, one in zip(listed, few, strict=False):
-            stage, headline = one.layers().stages[0], shortened(text[0].upper() + text[1:], _LONG)
-            stages.append(replace(stage, label=f"mend {len(stages)}", headline=headline))
+        for text, one in zip(told, few, strict=False):
+            rest = f" (others still fall: {named(one.held)}):" if one.held else ":"
+            headline = shortened(f"M{text[1:].replace(':', rest, 1)}", _LONG)
+            stage = replace(one.layers().stages[0], headline=headline)
+            stages.append(replace(stage, label=f"mend {len(stages)}"))
         models = [self.diagnosis.model, *(one.result.model for one in few)]
         names = ["", *(f" (mend {i})" for i in range(1, len(few) + 1))]
         assembly, contacts, together = side_by_side(models, stages, names)
@@ -413,6 +515,12 @@ def find_mends(
             mended += bool(own)
             mends += sorted(own, key=partial(_rank, chosen.margin))
     return Mends(found, tuple(mends), tuple(tried), case=case)
+
+
+def _numbers(some: Sequence[int]) -> str:
+    """The numbers of mends that follow each other."""
+    first, last = some[0] + 1, some[-1] + 1
+    return f"mend {first}" if first == last else f"mends {first} to {last}"
 
 
 def _with_margin(made: Sequence[Changed], stop: Stop) -> list[Changed]:

@@ -11,7 +11,6 @@ from typing import NamedTuple
 import numpy as np
 
 from drystone.base.arrays import Floats, lengths
-from drystone.base.display import named
 from drystone.base.errors import InputError
 from drystone.base.settings import Clock, Stopped
 from drystone.base.units import mass, quantity
@@ -178,9 +177,8 @@ class _WholeCheck:
             self._still(made),
             jam.times if jam else 0.0,
         )
-        held = f" ({named(kept.held)} held meanwhile)" if kept.held else ""
-        words = kept.description + held
-        return Changed(model, made, found.result, found.result.stable, words, (kept,))
+        stands = found.result.stable and not kept.held
+        return Changed(model, made, found.result, stands, kept.description, (kept,))
 
     def _sized(self, found: _Held) -> str:
         """What props are sized for that do not give: the largest force of one in the whole.

@@ -42,7 +42,7 @@ def panel(chart: Chart) -> str:
             f'fill="var(--quiet)" font-size="11" aria-label="{name}">{body}</svg>{_key(chart)}'
         )
     told = "".join(f"<p>{html.escape(one)}</p>" for one in chart.caption.split("\n") if one)
-    told = re.sub(r"--[a-z]+ \d+", r"<code>\g<0></code>", told)  # an option is not broken
+    told = re.sub(r"--[a-z]+ \d[\d,]*\b", r"<code>\g<0></code>", told)  # an option is not broken
     head = f"<legend>{html.escape(chart.title)}</legend>"
     return f'    <fieldset class="chart">{head}{drawn}{told}</fieldset>'
 

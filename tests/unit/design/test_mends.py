@@ -10,7 +10,7 @@ import pytest
 
 import drystone
 from drystone import Assembly, Block, InputError, LoadCase, Model, Verdict, check
-from drystone.answer import Role
+from drystone.answer import Role, State
 from drystone.cli import main
 from drystone.design import (
     DesignMargin,
@@ -597,11 +597,6 @@ def test_the_command_lists_mends_and_makes_the_one_that_is_chosen(
     assert drystone.check(out).stable
     assert main(["mend", overhang, "--kind", "prop", "--json"]) == 1
     assert "without a margin: --margin" in json.loads(capsys.readouterr().out)["notes"][-1]
-    tie = ["mend", overhang, "--kind", "tie"]
-    assert main(tie) == main([*tie, "--all"]) == 1
-    short, _, every = capsys.readouterr().out.partition("out: tie: ")
-    assert "--all lists every mend" in short
-    assert "--all lists" not in every
 
 
 def test_a_file_that_no_mend_has_changed_is_not_written(
@@ -784,3 +779,35 @@ def test_a_margin_of_loads_multiplies_the_pressure_that_is_drawn_with_them() -> 
     assert given is not None
     np.testing.assert_allclose(drawn.traction, 1.5 * given.traction)
     np.testing.assert_allclose(case.load.wrench[1, [0, 2]], [3000.0, -23544.0])
+
+
+def test_two_parts_that_fall_are_listed_apart_and_one_mend_of_each_makes_it_stand() -> None:
+    blocks = [
+        box(size, (5.0 * k + at, 0.0, z), f"{name}-{k}")
+        for k in range(2)
+        for size, at, z, name in (
+            ((1.0, 1.0, 1.0), 0.0, 0.0, "base"),
+            ((1.0, 1.0, 0.2), 0.7, 1.0, "out"),
+        )
+    ]
+    model = Model.of(Assembly(tuple(blocks)).with_fixed([0, 2]), friction=0.6)
+    found = find_mends(model, options=MendOptions(kinds=("glue",)))
+    said = [one.text for one in found.sentences()]
+    assert said[1].endswith("--auto or --apply 1,2 makes the cheapest of each")
+    assert said[2] == "for 'out-0':"
+    assert said[3].startswith("mend 1: glue between")
+    assert said[4] == "for 'out-1', alike: mend 2, as mend 1"
+    assert found.failures()[0].startswith("mend 2: glue between")
+    one = found.mends[0]
+    assert (one.stands, one.held) == (False, ("out-1",))
+    assert one.sentences()[-1].text == "still falls, held in this trial only: out-1"
+    for stage in (one.layers().stages[0], found.layers().stages[1]):
+        assert stage.role is Role.UNSURE
+        assert "till fall" in stage.headline
+        assert "out-1" in stage.headline
+        assert (stage.state == State.FALLING).any()
+    assert found.together([2, 1]).stands
+    alone = found.together([1])
+    assert (alone.stands, alone.message) == (False, "it still falls: out-1")
+    with pytest.raises(InputError, match="two mends are of the same blocks"):
+        found.together([1, 1])
