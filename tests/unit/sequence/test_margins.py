@@ -11,6 +11,7 @@ from drystone.model import Model
 from drystone.models import arch, box, leaning_column, tower
 from drystone.results import Result
 from drystone.sequence import (
+    Margins,
     Plan,
     PlanOptions,
     Rules,
@@ -20,7 +21,7 @@ from drystone.sequence import (
     plan,
     sweep_friction,
 )
-from drystone.sequence.margins import at_other_friction
+from drystone.sequence.margins import Margin, at_other_friction
 
 
 @pytest.fixture(scope="module")
@@ -37,6 +38,15 @@ def test_each_stage_of_a_stack_tilts_to_its_closed_form(stack):
     assert found.weakest == 2
     assert found.least_friction < 0.02
     assert found.sentences()[-1].text == "found to 0.01 of friction and 0.2 degrees of tilt"
+
+
+def test_where_a_stage_needs_more_friction_than_the_whole_another_order_is_advised(stack):
+    whole = Margin(0.0078, 30.0)
+    told = Margins(stack, (whole, Margin(0.4063, 9.0), whole)).sentences()[-1].text
+    assert told.startswith("step 2 needs more friction than the complete structure, 0.0078: ")
+    assert "a plan with --friction 0.018, or more" in told
+    even = Margins(stack, (whole, Margin(0.0156, 9.0), whole)).sentences()[-1].text
+    assert even.startswith("found to")
 
 
 def test_directions_are_searched_below_the_least_tilt_that_is_known() -> None:
