@@ -105,8 +105,9 @@ class Margins(Answer):
             down = [
                 f"this order works down to friction {rounded_up(self.least_friction):g}",
                 "found to {:g} of friction and {:g} degrees of tilt".format(*self.widths),
+                *self._other_order(),
             ]
-        return [Sentence(self.title, role), *map(Sentence, down + self._other_order())]
+        return [Sentence(self.title, role), *map(Sentence, down)]
 
     def _other_order(self) -> list[str]:
         """How to look for an order with more margin, where a stage needs more than the whole."""
