@@ -171,11 +171,14 @@ class Limit(LimitValues, Answer):
 
     @property
     def title(self) -> str:
-        """Up to which value it stands."""
-        stands, start = self.best.stands, self._quantity(self.start)
+        """Up to which value it stands; where values beyond are undecided, from which it falls."""
+        stands, start, falls = self.best.stands, self._quantity(self.start), self.best.falls
         if stands is not None:
             least = AT_LEAST if self.capped else ""
-            least = " at least" if self.stopped and self.best.falls is None else least
+            least = " at least" if self.stopped and falls is None else least
+            if self.undecided_between is not None:
+                fall = "" if falls is None else f", falls from {self._short(falls)}"
+                least += f"{fall}; {'between them' if fall else 'beyond'} undecided"
             return f"{self._head} {self._quantity(stands)}{least}"
         if self._open:
             return f"Not decided at {start}"
@@ -236,7 +239,9 @@ class Limit(LimitValues, Answer):
                 rest = "of the work that resists this motion, lifted weights the rest"
                 said.append(Sentence(f"{head} takes {100.0 * share:.3g} % {rest}"))
         if self.stopped:
-            said.append(Sentence(f"not finished: {self.stopped}", Role.REMARK))
+            sides = [one for one in (self.best.stands, self.best.falls) if one is not None]
+            between = f"; {self._range((sides[0], sides[1]))} it is open" if sides[1:] else ""
+            said.append(Sentence(f"not finished: {self.stopped}{between}", Role.REMARK))
         searched = f"searched from {self.start:.6g} to {self._told(self.end)}"
         if self.capped:
             searched += f"; {'--upper' if self.quantity.replaces else '--to'} goes on"
@@ -334,7 +339,7 @@ class Limit(LimitValues, Answer):
     def _stage(self, state: Result, value: float, falls: bool) -> SceneStage:
         """One side of the limit."""
         headline = self.title  # that of the answer, whichever of its sides is shown
-        if falls and self.best.stands is not None:
+        if falls and self.best.stands is not None and self.undecided_between is None:
             headline += f"; falls at {self._short(value)}"
         names = {re.escape(f"{value:{form}}") for form in ("g", ".4g")}
         whole = rf"(?<![\d.])(?:{'|'.join(names)})(?!\.?\d)"  # no part of another number

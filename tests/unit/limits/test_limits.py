@@ -422,6 +422,14 @@ def test_an_unknown_value_has_no_unit_and_one_value_is_no_range() -> None:
     bracket = Bracket(stands=1.0)
     limit = Limit(Quantity("tilt", "deg"), 0.0, 9.0, bracket, evaluations=(stable, unsure))
     assert limit.remarks == ("at 2 deg it is undecided",)
+    assert limit.title == "Forces balance up to tilt 1 deg; beyond undecided"
+    closed = replace(limit, equilibrium=Bracket(1.0, 4.0), stopped="time limit")
+    assert (
+        closed.title
+        == "Forces balance up to tilt 1 deg, falls from 4\N{DEGREE SIGN}; between them undecided"
+    )
+    told = [one.text for one in closed.sentences()]
+    assert "not finished: time limit; between 1 and 4 deg it is open" in told
 
 
 def test_a_live_load_may_be_a_vector_or_a_multiple_of_the_weight() -> None:
