@@ -127,6 +127,8 @@ _BUILT = (
     "--apply 1 --out mended.json makes mend 1, then drystone plan mended.json"
 )
 
+_LOADED = "; it keeps the loads: do not give them again, or leave those of it out by --case weight"
+
 _LET_IN = "; joints that are let in, wedged or turned may need props on the way"
 
 _DRAWN = 5_000
@@ -299,7 +301,10 @@ class Mends(Answer):
         reasons = [one for one in reasons if one.text not in (self.message, NOTHING)]
         reasons = [replace(one, text=one.text + only.get(one.text, "")) for one in reasons]
         recut = any(one.change.kind in ("let-in", "wedge", "turn") for one in self.mends)
-        built = [Sentence(_BUILT + _LET_IN * recut, Role.REMARK)] if self.mends else []
+        load = self.model.load
+        loaded = bool(load.each or load.masses or load.shake.any())
+        told = _BUILT + _LOADED * loaded + _LET_IN * recut
+        built = [Sentence(told, Role.REMARK)] if self.mends else []
         said = [verdict, Sentence(self.message), *mends, *built, *failed, *reasons]
         return [one for one in said if one.text]
 

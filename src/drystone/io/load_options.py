@@ -30,6 +30,8 @@ from drystone.model import Model
 
 WEIGHT = "weight"
 """The name of the weight of the blocks alone, without the loads of the file."""
+TWICE = "acts twice, in the load case of the file and as given: is it meant once (--case weight)?"
+"""Follows what the load case of a file, as of a mended one, has already."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,9 +151,15 @@ class Loads:
         gravity = whole if self.gravity is not None else None
         if self.shaken:
             total = with_shaken_weights(assembly, total, gravity_size(gravity))
+        of_file = total
         if self._added:
-            total = total + added(self._added, assembly, gravity, self.shaken)
+            extra = added(self._added, assembly, gravity, self.shaken)
+            total = total + extra
+            if cases and _has(assembly, of_file, extra):
+                notes.append(f"'{extra.name}' {TWICE}")
         if self.seismic is not None:
+            if of_file.shake.any():
+                notes.append(f"an earthquake {TWICE}")
             text = ",".join(str(one) for one in np.atleast_1d(self.seismic).tolist())
             total = total + seismic_of_words(text, assembly)
         total.refuse_turned_fill()
@@ -222,6 +230,14 @@ def _is_weight(assembly: Assembly, case: LoadCase) -> bool:
     size = float(np.abs(each).max(initial=0.0))
     alike = np.abs(each - np.array([0.0, 0.0, -size])).max(initial=0.0) <= 1e-9 * size
     return bool(alike) and not case.wrench[free, 3:].any() and case.motion is None
+
+
+def _has(assembly: Assembly, case: LoadCase, other: LoadCase) -> bool:
+    """Whether a load case has, beside weight, the loads of another one on the blocks of that."""
+    own = case.wrench - wrench_of_masses(assembly, common_acceleration(assembly, case))
+    size = np.abs(other.wrench).max(axis=1)
+    near = 1e-6 * size[:, None]
+    return bool((np.abs(own - other.wrench) <= near)[size > 0.0].all())
 
 
 _KINDS: dict[str, Callable[..., LoadCase]] = {

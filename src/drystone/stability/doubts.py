@@ -16,6 +16,7 @@ from drystone.base.ragged import linked
 from drystone.detection.advice import option_for
 from drystone.detection.tolerances import Reason
 from drystone.io import files_at, format_of
+from drystone.io.load_options import TWICE, WEIGHT
 from drystone.io.several import Paths
 from drystone.loads import LoadCase
 from drystone.model import Model
@@ -75,6 +76,7 @@ def doubts(model: Model, path: Paths, how: Mapping[str, Any]) -> Iterator[Doubt]
     yield from friction_doubts(how.get("friction"))
     units = unit_doubts(model.notes)
     yield from units
+    yield from (Doubt(note, {"case": WEIGHT}) for note in model.notes if note.endswith(TWICE))
     yield from _apart(model)
     if not units and how.get("supports") and (up := other_up(path, how)) and _may_lie(model, how):
         words = _better_upright(model, str(how["supports"]), up)

@@ -30,6 +30,18 @@ def test_nothing_is_doubtful_about_a_tower(tmp_path: Path) -> None:
     assert options(path, supports="lowest", friction=0.7) == []
 
 
+def test_a_load_that_the_case_of_a_file_has_is_asked_for_when_it_is_given_anew(
+    tmp_path: Path,
+) -> None:
+    path = tmp_path / "mended.json"
+    io.write(drystone.read(written(tower(3), path), load="block-1:80N", seismic="0.1,0"), path)
+    assert options(path) == []
+    assert options(path, load="block-2:80N") == []
+    assert options(path, load="block-1:80N") == ["--case weight"]
+    assert options(path, seismic="0.2,0") == ["--case weight"]
+    assert options(path, seismic="0.2,0", case="weight") == []
+
+
 def test_a_friction_above_that_of_stone_may_be_an_angle(tmp_path: Path) -> None:
     path = written(tower(3), tmp_path / "tower.json")
     assert options(path, friction=30.0) == ["--friction 30deg"]
