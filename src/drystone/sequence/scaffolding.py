@@ -40,6 +40,8 @@ from drystone.sequence.scaffold_items import (
 from drystone.sequence.scaffold_places import ScaffoldOptions, Support
 from drystone.sequence.scaffold_stages import ScaffoldedStages
 from drystone.sequence.stages import Check, check_once, mask_of
+from drystone.stability import CheckOptions
+from drystone.stability.verdict import check as check_whole
 
 _WIDE = 3.0
 """Width of a strut or a rope, by that of other lines; chosen by eye."""
@@ -100,6 +102,8 @@ class Scaffolding(Answer):
         nothing that is held.
     stopped
         Why later stages were not checked; empty otherwise.
+    staying
+        Where some of it stays, for how many contact stiffnesses the whole stands with it.
     """
 
     plan: Plan
@@ -112,6 +116,7 @@ class Scaffolding(Answer):
     items: tuple[ScaffoldItem, ...]
     failed: tuple[int, ...]
     stopped: str = ""
+    staying: str = ""
 
     @property
     def works(self) -> bool:
@@ -155,7 +160,8 @@ class Scaffolding(Answer):
             f"{units.quantity(self.peak_force, 'N')} in one{known}, {counted(self.moves, 'move')}, "
             f"cost {self.cost:.3g}"
         )
-        return [Sentence(self.title, role), Sentence(takes)]
+        stay = [Sentence(self.staying)] if self.staying else []
+        return [Sentence(self.title, role), Sentence(takes), *stay]
 
     def tables(self) -> Sequence[Table]:
         """The stages that are held."""
@@ -173,6 +179,7 @@ class Scaffolding(Answer):
             "cost": self.cost,
             "failed": self.failed,
             "stopped": self.stopped,
+            "staying": self.staying,
             "items": [item_numbers(item) for item in self.items],
         }
 
@@ -192,7 +199,7 @@ class Scaffolding(Answer):
             replace(one, label=f"{one.label} in all")
             for one in scaffold_layers(self.items, self.support, self.assembly)
         )
-        told, takes = self.sentences()
+        told, takes, *_ = self.sentences()
         ideal = f"with ideal props: {summary.message}"
         summary = replace(
             summary,
@@ -283,6 +290,8 @@ def scaffolding(
     failed = [row.step for row in rows if row.verdict != Verdict.STABLE.value or row.overloaded]
     failed += [i for i, one in enumerate(plan.steps, 1) if not (one.props or one.answer.stands)]
     columns = {key: [getattr(row, key) for row in rows] for key in _Row._fields}
+    stopped = clock.reason if len(rows) < len(propped) else ""
+    stay = not (failed or stopped) and plan.steps and plan.steps[-1].props
     held = [set[int](), *(set(step.props) for step in plan.steps)]
     moves = sum(len(now - before) for before, now in pairwise(held))
     metres = sum(row.length for row in rows)
@@ -296,8 +305,18 @@ def scaffolding(
         stages.options.stage_cost * metres + stages.options.move_cost * moves,
         tuple(item for prop in plan.props for item in stages.items(prop.block)),
         tuple(sorted(failed)),
-        clock.reason if len(rows) < len(propped) else "",
+        stopped,
+        _staying(stages, plan.steps[-1].placed, mask_of(stay), clock) if stay else "",
     )
+
+
+def _staying(stages: ScaffoldedStages, placed: int, held: int, clock: Clock) -> str:
+    """For how many contact stiffnesses the complete structure stands with what stays."""
+    whole = stages.result(placed, held)[0]
+    found = check_whole(whole.model, options=CheckOptions.robust(), stop=clock.late).samples
+    what = stages.support.words(len(whole.items))
+    told = f"{found.standing} of {found.tried} contact stiffnesses tried"
+    return f"{len(whole.items)} {what} stay: with them the whole stands for {told}"
 
 
 class _Row(NamedTuple):

@@ -259,6 +259,12 @@ def test_a_stage_that_no_scaffolding_within_its_limit_carries_is_told(arch_plan)
     assert "a strut carries" in found.message
 
 
+def test_what_stays_is_tried_with_other_contact_stiffnesses() -> None:
+    found = plan(SLAB_ON_PIER, options=PlanOptions(anyway=True, scaffold="strut"))
+    told = scaffolding(found, "strut").sentences()[-1].text
+    assert told == "4 struts stay: with them the whole stands for 5 of 5 contact stiffnesses tried"
+
+
 def test_where_one_more_strut_does_not_carry_a_leaning_strip_all_that_falls_is_propped():
     """An ideal prop at the tip of half an arch holds all of it; a strut pushes and does not."""
     whole = shell_by_name("barrel", courses=12, blocks=1).model(friction=0.6)
