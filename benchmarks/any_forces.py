@@ -15,6 +15,7 @@ from scipy.sparse import coo_array, csr_array, vstack
 from drystone.base.arrays import Floats
 from drystone.model import Model
 from drystone.results import Result
+from drystone.settlement.settlement_types import moved_model
 
 SIDES = 16
 RESISTED = 1e-8
@@ -71,7 +72,10 @@ def fault_of_forces(found: Result) -> str:
     rested = [path for path in paths if path.residuals is not None]
     if not rested:
         return _fault(found.model, found.force)
-    return "".join(_fault(path.moved_model(), path.force) for path in rested)
+    return "".join(
+        _fault(moved_model(path.model, path.displacement, path.axes, path.point), path.force)
+        for path in rested
+    )
 
 
 def _fault(model: Model, force: Floats) -> str:

@@ -20,6 +20,7 @@ import numpy as np
 from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Floats, Ints, cross, dot, lengths, places, plane_cross
 from drystone.base.ragged import sum_by_owner
+from drystone.contacts import Contacts
 from drystone.geometry.frames import rotations
 from drystone.geometry.polyhedron import fan_triangles
 from drystone.joints import SWAY
@@ -198,9 +199,7 @@ def build_bodies(
     a, b = contacts.block_a[joint], contacts.block_b[joint]
     a, b = np.where(turned, b, a), np.where(turned, a, b)
     point = (contacts.point - origin) / length
-    middle = contacts.corners.sum(point) / contacts.corners.counts[:, None]
-    out = point - middle[joint]
-    point += SWAY * out / np.maximum(lengths(out), 1e-300)[:, None]
+    point += farther_out(contacts, point)
     mass = np.tile(np.eye(6), (len(free), 1, 1))
     mass[:, 3:, 3:] = turning[free]
     mass *= (assembly.mass[free] / assembly.mass[free].mean())[:, None, None]
@@ -245,6 +244,13 @@ def build_bodies(
         length_unit=length,
         force_unit=unit,
     )
+
+
+def farther_out(contacts: Contacts, point: Floats) -> Floats:
+    """How far (k, 3) the corners (k, 3) of followed blocks are taken as farther out, by length."""
+    middle = contacts.corners.sum(point) / contacts.corners.counts[:, None]
+    out = point - middle[contacts.interface]
+    return SWAY * out / np.maximum(lengths(out), 1e-300)[:, None]
 
 
 def turned_load(load: Floats, arms: Floats, turn: Floats) -> Floats:

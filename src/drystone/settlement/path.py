@@ -27,6 +27,7 @@ from drystone.mechanics.bodies import (
     BlockPositions,
     Bodies,
     build_bodies,
+    farther_out,
     numbered_axes,
     numbered_forces,
     rotation_vectors,
@@ -299,7 +300,7 @@ def _left_by_light_ones(
     if track.ended is not Ended.RESTS or not bodies.with_felt(track.response.force).light:
         return 0.0
     path = _physical(case, carrier, bodies, track)
-    return rest_residuals(path.moved_model(), path.force, path.gap).largest
+    return rest_residuals(path).largest
 
 
 def _rests_far(bodies: Bodies, track: Track, chosen: SettlementOptions) -> bool:
@@ -371,7 +372,7 @@ def _with_outcome(path: SettlementPath, track: Track, case: FollowedCase) -> Set
         # out of steps: where a block is beyond what stands and still moves, it does not stand
         moved_on = not moving and not case.clock.reason and travel > chosen.rest_within
         return replace(path, outcome=Outcome.FALLS) if moved_on else path
-    residuals = rest_residuals(path.moved_model(), path.force, path.gap)
+    residuals = rest_residuals(path)
     if residuals.largest > FORCE_TOLERANCE:
         return replace(path, residuals=residuals, outcome=Outcome.UNKNOWN)
     # blocks move as far as the supports that they follow
@@ -401,6 +402,11 @@ def _physical(case: FollowedCase, carrier: Carrier, bodies: Bodies, track: Track
     point[corners] = track.placed.point[kept] * bodies.length_unit + origin
     axes[corners] = numbered_axes(bodies, track.placed.axes)[kept]
     gap[corners] = track.placed.gap[kept] * bodies.length_unit
+    out = np.einsum(
+        "kij,kj->ki", contacts.frame[contacts.interface], farther_out(contacts, contacts.point)
+    )
+    corner = point.copy()
+    corner[corners] -= bodies.length_unit * np.einsum("ki,kij->kj", out, axes)[corners]
     travel = np.zeros(len(model.assembly))
     travel[bodies.free] = track.travel
     rests = track.ended is Ended.RESTS
@@ -413,6 +419,7 @@ def _physical(case: FollowedCase, carrier: Carrier, bodies: Bodies, track: Track
         travel,
         force,
         point,
+        corner,
         axes,
         gap,
         None,

@@ -37,7 +37,7 @@ def moved_model(model: Model, motion: Floats, axes: Floats, point: Floats) -> Mo
     motion : (n, 6) [m, rad]
     axes : (k, 3, 3), rows n, u, v
     point : (k, 3) [m]
-        Where the force of each corner acts.
+        Each corner.
     """
     assembly, contacts = model.assembly, model.contacts
     joint = contacts.interface
@@ -57,26 +57,6 @@ def moved_model(model: Model, motion: Floats, axes: Floats, point: Floats) -> Mo
         given = turned_points(given, np.swapaxes(turn, 1, 2))
     load = replace(model.load, wrench=wrench, given=given, each=())
     return Model(assembly.moved(motion), corners, load, ends=model.ends)
-
-
-def rest_residuals(moved: Model, force: Floats, gap: Floats) -> Residuals:
-    """Equilibrium, tension and friction of the forces at the end, from points and cross products.
-
-    Parameters
-    ----------
-    moved
-        What :func:`moved_model` gives.
-    force : (k, 3) [N]
-    gap : (k,) [m]
-        Between the faces; a force where it is positive is a fault.
-    """
-    found = check_forces(moved, force)
-    open_ = (gap > 0.0) & (np.abs(force).max(axis=1, initial=0.0) > 0.0)
-    apart = float(np.linalg.norm(force[open_], axis=1).max(initial=0.0))
-    weight = float(np.linalg.norm(moved.load.wrench[:, :3], axis=1).max(initial=0.0))
-    return Residuals(
-        found.equilibrium, found.tension, found.cone, apart / weight if weight else 0.0
-    )
 
 
 PARTS = 20
@@ -209,7 +189,8 @@ class SettlementPath(OneLine):
         Displacement of each block, divided by its size. A rotation counts with the radius of
         gyration.
     force : (k, 3) [N], local n, u, v of ``axes``, on block b, at the end
-    point : (k, 3) [m], where the forces act at the end
+    point : (k, 3) [m], where the forces act at the end, a little outside the corners
+    corner : (k, 3) [m], the corners at the end
     axes : (k, 3, 3) rows n, u, v at the end
     gap : (k,) [m], between the faces at the end; negative where they press
     residuals
@@ -236,6 +217,7 @@ class SettlementPath(OneLine):
     travel: Floats
     force: Floats
     point: Floats
+    corner: Floats
     axes: Floats
     gap: Floats
     residuals: Residuals | None
@@ -264,8 +246,23 @@ class SettlementPath(OneLine):
         return tuple(np.flatnonzero((self.travel >= 0.1 * most) & (self.travel > 0.0)).tolist())
 
     def moved_model(self) -> Model:
-        """The blocks at the end, with an interface for each corner where its force acts."""
-        return moved_model(self.model, self.displacement, self.axes, self.point)
+        """The blocks at the end, with an interface for each corner."""
+        return moved_model(self.model, self.displacement, self.axes, self.corner)
+
+
+def rest_residuals(path: SettlementPath) -> Residuals:
+    """Equilibrium, tension and friction of the forces at the end, from points and cross products.
+
+    A force where the faces are apart is a fault.
+    """
+    moved = moved_model(path.model, path.displacement, path.axes, path.point)
+    found = check_forces(moved, path.force)
+    open_ = (path.gap > 0.0) & (np.abs(path.force).max(axis=1, initial=0.0) > 0.0)
+    apart = float(np.linalg.norm(path.force[open_], axis=1).max(initial=0.0))
+    weight = float(np.linalg.norm(moved.load.wrench[:, :3], axis=1).max(initial=0.0))
+    return Residuals(
+        found.equilibrium, found.tension, found.cone, apart / weight if weight else 0.0
+    )
 
 
 @dataclass(frozen=True, eq=False)

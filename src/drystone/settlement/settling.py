@@ -274,24 +274,26 @@ def _one_path(model: Model, parts: Sequence[tuple[Ints, SettlementPath]]) -> Set
     frames = max(len(path.positions) for _, path in parts)
     positions, travel = np.zeros((frames, count, 6)), np.zeros(count)
     force, gap = np.zeros((contacts.corner_count, 3)), np.zeros(contacts.corner_count)
-    point, axes = contacts.point.copy(), contacts.frame[contacts.interface].copy()
+    point, corner = contacts.point.copy(), contacts.point.copy()
+    axes = contacts.frame[contacts.interface].copy()
     for blocks, path in parts:
         own = np.isin(contacts.block_a, blocks) & np.isin(contacts.block_b, blocks) & model.active
         corners, at = own[contacts.interface], path.model.active[path.model.contacts.interface]
         last = np.minimum(np.arange(frames), len(path.positions) - 1)
         positions[:, blocks], travel[blocks] = path.positions[last], path.travel
         force[corners], gap[corners] = path.force[at], path.gap[at]
-        point[corners], axes[corners] = path.point[at], path.axes[at]
+        point[corners], corner[corners] = path.point[at], path.corner[at]
+        axes[corners] = path.axes[at]
     longest = max((path for _, path in parts), key=lambda one: one.steps)
     whole = replace(
         longest, carrier=parts[0][1].carrier, model=model, positions=positions, travel=travel,
-        force=force, point=point, axes=axes, gap=gap,
+        force=force, point=point, corner=corner, axes=axes, gap=gap,
         share=max(path.share for _, path in parts),
         iterations=sum(path.iterations for _, path in parts),
         overlap=min(path.overlap for _, path in parts),
         beyond=max(path.beyond for _, path in parts),
     )  # fmt: skip
-    return replace(whole, residuals=rest_residuals(whole.moved_model(), force, gap))
+    return replace(whole, residuals=rest_residuals(whole))
 
 
 def _on_faces(path: SettlementPath) -> bool:
@@ -355,6 +357,7 @@ def _nothing_free(model: Model, moving: Floats | None, chosen: SettlementOptions
         positions,
         np.zeros(count),
         np.zeros((corners, 3)),
+        contacts.point,
         contacts.point,
         contacts.frame[contacts.interface],
         np.zeros(corners),

@@ -188,6 +188,12 @@ def test_forces_at_rest_are_proven_on_the_moved_blocks() -> None:
     np.testing.assert_array_equal(path.positions[-1], path.displacement)
 
 
+def test_where_a_wedge_rests_it_stands_as_a_model_of_its_own() -> None:
+    # its joints end where its edges are: were they farther out, these would belong to neither block
+    settled = tilted(wedge("c"), X, 40.0)
+    assert drystone.check(settled.path.moved_model()).verdict is drystone.Verdict.STABLE
+
+
 def test_the_way_depends_on_no_unit_place_density_direction_or_numbering() -> None:
     turn = rotation_about((1.0, 2.0, 3.0), 77.0)
     plain = wedge("b")
