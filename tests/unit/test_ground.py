@@ -515,6 +515,16 @@ def test_a_narrow_bridge_bears_its_share_of_an_axle() -> None:
     assert force == pytest.approx(-1e3 / (2.4 + 0.3), rel=1e-9)
 
 
+def test_ground_below_fixed_ends_keeps_fill_from_the_foot_of_a_pier() -> None:
+    """A deck between two banks on a pier whose lower part stands in the open below them."""
+    banks = [box((1.0, 1.0, 1.0), (x, 0.0, 0.0), f"bank{x}") for x in (-1.0, 3.0)]
+    ground = box((2.0, 1.0, 0.5), (0.5, 0.0, -4.5), "ground")
+    deck, pier = box((3.0, 1.0, 0.5), (0.0, 0.0, 0.5), "deck"), box((1, 1, 4.5), (1, 0, -4), "pier")
+    bridge = Assembly([*banks, ground, deck, pier], [True, True, True, False, False])
+    load = Fill(cover=0.5, weight=18e3, k=0.3).on(bridge)
+    assert load.wrench[3:, :3] == pytest.approx(np.array([[0.0, 0.0, -27e3], [0.0, 0.0, 0.0]]))
+
+
 def test_earth_presses_as_rankine_says_to_the_third_of_its_height() -> None:
     wall = tower(4)
     load = Earth.named("side=-x,weight=18kN/m3,k=active:30deg").on(wall)
@@ -525,7 +535,7 @@ def test_earth_presses_as_rankine_says_to_the_third_of_its_height() -> None:
 
 def test_what_earth_presses_with_stands_in_the_name_of_a_load() -> None:
     earth = Earth.named("side=-x,weight=18kN/m3,k=active:30deg,wall_friction=20deg")
-    told = "earth of 18 kN/m3 on side -x with K 0.333"
+    told = "earth of 18 kN/m3 to 2 m on side -x with K 0.333"
     assert earth.on(tower(2)).name == f"{told} and wall friction 0.364, at most its own"
     wet = Earth.named("side=-x,weight=18kN/m3,k=active:30deg,surcharge=5kPa,water=0.5m")
     assert wet.on(tower(2)).name == f"{told} and surcharge 5 kPa and water to 0.5 m"
@@ -538,7 +548,7 @@ def test_earth_presses_on_the_blocks_that_are_named_up_to_their_top() -> None:
     """Cubes of 1 m: on each of two 9 kN from the middle depth 0.5 m; below, 2.5 m and none."""
     words = "side=-x,weight=18kN/m3,k=1,blocks={}"
     some = Earth.named(words.format("block-2+block-1")).on(tower(4))
-    assert some.name == "earth of 18 kN/m3 on side -x with K 1 on block-2+block-1"
+    assert some.name == "earth of 18 kN/m3 to 3 m on side -x with K 1 on block-2+block-1"
     assert some.wrench[:, 0] == pytest.approx([0.0, 27000.0, 9000.0, 0.0])
     every = Earth.named(words.format("block-*")).on(tower(4))
     assert every.wrench == pytest.approx(Earth("-x", 18e3, 1.0).on(tower(4)).wrench)

@@ -234,6 +234,7 @@ class TrainEnvelope(Answer):
             turn = f"the road is taken along {x:.3g}, {y:.3g} in plan, and x of a place along it"
             said.append(Sentence(turn, Role.REMARK))
         said += [Sentence(self.train.words), Sentence(self.fill.words)]
+        said += [Sentence(note, Role.REMARK) for note in self._crossing.tops.notes]
         if self.train.source:
             said.append(Sentence(f"'{self.train.name}' is {self.train.source}", Role.REMARK))
         if not len(self.places):

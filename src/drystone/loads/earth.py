@@ -166,7 +166,10 @@ class Earth(Options):
             skew = np.column_stack([slope, np.full(len(t), -1.0)])
             return force + _WATER * wet[:, None] * skew
 
-        kind = f"earth of {quantity(self.weight, 'N')}/m3 on side {self.side} with K {self.k:.3g}"
+        kind = (
+            f"earth of {quantity(self.weight, 'N')}/m3 to {top:g} m on side {self.side} "
+            f"with K {self.k:.3g}"
+        )
         more = {
             f" on {self.blocks}": self.blocks,
             f" and wall friction {self.wall_friction:.3g}, at most its own": self.wall_friction,

@@ -294,15 +294,18 @@ class Roadway:
     def beside(self) -> Sequence[SeenStrips]:
         """Faces of free blocks, hidden from above, that fill presses: along and back, both across.
 
-        Level before each of them, with no block between, fill is seen from above.
+        Level before each of them, with no block between, fill is seen from above. Along, the ground
+        below what is fixed is between.
         """
-        return [self._behind(steps) for steps, _ in self._steps]
+        return [self._behind(steps, way < 2) for way, (steps, _) in enumerate(self._steps)]
 
-    def _behind(self, steps: SeenStrips) -> SeenStrips:
+    def _behind(self, steps: SeenStrips, along: bool = False) -> SeenStrips:
         """What of free blocks is nearest behind steps, below the road, and looks most that way."""
-        faces = SeenStrips.all_of(self.assembly, steps.axes)
+        faces, fixed = SeenStrips.all_of(self.assembly, steps.axes), self.assembly.fixed
+        if along:
+            faces = faces.down_to(self.assembly.bounds[..., 2].min(), fixed[faces.block])
         seen = steps.behind(faces, SAME * self.breadth)
-        seen = seen.chosen(~self.assembly.fixed[seen.block] & self._looks(seen))
+        seen = seen.chosen(~fixed[seen.block] & self._looks(seen))
         ends = np.stack([seen.t, seen.s, seen.r], axis=2) @ seen.axes
         road = self.level(ends @ self.strips.axes[0])
         return seen.limited(np.full(road.shape, -FARTHEST), road)

@@ -151,6 +151,15 @@ class SeenStrips(OneLine):
             found.append(some.chosen(some.r.mean(axis=1) <= eye + least)._nearest(least))
         return opening.chosen(np.zeros(0, dtype=np.intp))._and(found)
 
+    def down_to(self, floor: float, some: Bools) -> SeenStrips:
+        """With plumb ones from the lower edges of some (m,) along s down to a place [m]."""
+        edge, which = self.s - 0.5 * self.width, some[:, None]
+        place, width = 0.5 * (edge + floor), np.maximum(edge - floor, 0.0) * which
+        r = self.r - 0.5 * self.slope[:, 1:] * self.width
+        slope = self.slope * np.array([1.0, 0.0])
+        below = SeenStrips(self.axes, self.block, self.t, place, width, r, slope)
+        return self._and([below.chosen(width.max(axis=1) > 0.0)])
+
     def turned(self) -> SeenStrips:
         """The same in the other order, with the first two axes the other way."""
         axes, back = self.axes * np.array([[-1.0], [-1.0], [1.0]]), slice(None, None, -1)
