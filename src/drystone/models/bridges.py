@@ -222,17 +222,21 @@ class Measured(OneLine):
             return cls(found if found[0, 0] < found[-1, 0] else found[::-1])
         lines = text.split()
         if path.suffix.lower() in (".csv", ".txt"):
-            lines = read_bytes(path).decode("utf-8", "replace").replace(";", ",").split()
-        try:
-            return cls(np.array([[float(one) for one in line.split(",")] for line in lines]))
-        except ValueError as error:
-            if isinstance(error, InputError):
-                raise
-            raise InputError(
-                f"'{text[:40]}' is no profile",
-                remedy="write segmental, pointed, elliptic, three-centred, a .dxf or .csv, "
-                "or points '0,0 3,1.5 6,0'",
-            ) from error
+            lines = read_bytes(path).decode("utf-8", "replace").replace(";", ",").split("\n")
+            lines = [line for line in lines if line.strip()]
+            lines = lines[bool(lines) and not any(map(str.isdigit, lines[0])) :]  # without a header
+        point = []
+        for line in lines:
+            try:
+                x, z = map(float, line.split(","))
+            except ValueError as error:
+                raise InputError(
+                    f"'{text[:40]}' is no profile: '{line.strip()[:40]}' is not X,Z",
+                    remedy="write segmental, pointed, elliptic, three-centred, a .dxf or .csv, "
+                    "or points '0,0 3,1.5 6,0'",
+                ) from error
+            point.append((x, z))
+        return cls(np.array(point).reshape(-1, 2))
 
     def _summary(self) -> str:
         return counted(len(self.point), "point")

@@ -52,8 +52,13 @@ def test_the_polyline_of_a_drawing_is_an_intrados(tmp_path: Path) -> None:
     radius = np.linalg.norm(measured.point - [3.0, 0.0], axis=1)
     assert radius == pytest.approx(np.full(len(radius), 3.0))
     table = tmp_path / "ring.csv"
-    table.write_text("\n".join(f"{x},{z}" for x, z in measured.point), "utf-8")
-    assert Measured.named(str(table)).point == pytest.approx(measured.point)
+    rows = [f"{x},{z}" for x, z in measured.point]
+    for header in ([], ["x [m],z [m]"]):
+        table.write_text("\n".join([*header, *rows]), "utf-8")
+        assert Measured.named(str(table)).point == pytest.approx(measured.point)
+    table.write_text("0,0\n3;one\n6,0", "utf-8")
+    with pytest.raises(InputError, match="'3,one' is not X,Z"):
+        Measured.named(str(table))
 
 
 def test_piers_and_abutments_stand_free_on_a_fixed_course() -> None:
