@@ -124,9 +124,20 @@ def test_a_support_turns_by_degrees(tmp_path: Path, capsys: Capsys) -> None:
     assert main(["settle", str(path), *motion]) == 0
     small = capsys.readouterr().out
     assert "springer-right by 0, 0, 0 m, turned by 0, 0.2, 0 degrees" in small
-    assert "--to follows the blocks" not in small
-    assert main(["settle", str(path), "--move", "springer-right:0,0,0,0,20,0"]) == 0
-    assert "this answer is for small ones: --to follows the blocks" in capsys.readouterr().out
+    assert "joints that open" in small
+
+
+def test_a_large_motion_is_followed_by_finite_steps(tmp_path: Path, capsys: Capsys) -> None:
+    """A lintel falls where its bearing of 0.2 m is gone; to first order it follows any way."""
+    path = tmp_path / "lintel.json"
+    posts = [box((0.5, 0.3, 1.0), (x, 0.0, 0.0), name) for x, name in ((0.0, "a"), (1.5, "b"))]
+    lintel = box((1.4, 0.3, 0.3), (0.3, 0.0, 1.0), "lintel")
+    io.write(Assembly([*posts, lintel], [True, True, False]), path)
+    large = ["settle", str(path), "--move", "b:0.5,0,0"]
+    assert main(large) == 1
+    assert "it falls at 20" in capsys.readouterr().out
+    assert main([*large, "--joints", str(tmp_path / "joints.csv")]) == 2
+    assert "the motion is large" in capsys.readouterr().err
 
 
 def test_without_a_motion_the_blocks_are_followed_until_they_rest_or_fall(
