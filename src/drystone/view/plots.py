@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 import warnings
 from io import BytesIO
 from pathlib import Path
@@ -21,13 +22,18 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
+_WIDE = 85
+"""Letters of a title that fit on a line."""
+
+
 def _axes(title: str, projection: str | None = None) -> tuple[Figure, Any]:
     """A figure with one pair of axes."""
     from matplotlib.figure import Figure  # optional work: plotting is slow to import
 
     figure = Figure(figsize=(7.0, 4.6), layout="constrained")
     axes: Any = figure.add_subplot(projection=projection)
-    axes.set_title(title, fontsize=10)
+    wrapped = "\n".join(textwrap.fill(line, _WIDE) for line in title.splitlines())
+    axes.set_title(wrapped, fontsize=10)
     return figure, axes
 
 

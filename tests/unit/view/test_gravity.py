@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from drystone.answer.chart import Chart
 from drystone.models import tower
 from drystone.sequence import GravityRegion, gravity_region
 from drystone.view import save_chart
@@ -42,3 +43,10 @@ def test_the_chart_is_written(tmp_path: Path, suffix: str) -> None:
     path = tmp_path / f"gravity.{suffix}"
     save_chart(region().figure(), path, title="tower")
     assert path.stat().st_size > 1000
+
+
+def test_a_long_title_of_a_chart_is_not_cut() -> None:
+    figure = save_chart(Chart("factor", caption=12 * "least at the crown, ", across="place"))
+    figure.draw_without_rendering()
+    title = figure.axes[0].title.get_window_extent()
+    assert 0.0 <= title.x0 < title.x1 <= figure.bbox.width
