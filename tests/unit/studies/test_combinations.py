@@ -117,6 +117,8 @@ def test_ties_are_divided_by_a_factor_of_their_own(tmp_path: Path) -> None:
     assert found.tables()[1]["tie_by"].tolist() == [1.25]
     bare = combinations(STACK, path, needed_of="none")
     assert "of ties by 1.25, of which there is none" in str([x.text for x in bare.sentences()])
+    used = written(tmp_path, f'situations = ["characteristic"]\n[material]\n{material}', WEIGHT)
+    assert combinations(held, used, needed_of="none").tables()[1]["tie_by"].tolist() == [1.0]
 
 
 def test_what_is_needed_is_told_of_the_size_of_joints_and_of_their_friction(tmp_path: Path) -> None:
