@@ -6,6 +6,8 @@ Apart from the other tests, as it runs much of the package once more.
 """
 
 import contextlib
+import doctest
+import importlib
 import re
 import runpy
 import shlex
@@ -20,6 +22,7 @@ from PIL import Image
 from drystone import io, models
 from drystone.cli import main
 from tests.unit.cli.running import commands
+from tests.unit.test_public_api import WITH_EXAMPLES
 
 ROOT = Path(__file__).parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -156,6 +159,16 @@ def test_a_tutorial_shows_what_its_commands_and_its_code_print(
     with Image.open(ROOT / "docs" / "images" / f"tutorial-{name}.png") as picture:
         missing = [one for one in picture.text["told"].splitlines() if one not in every]
         assert missing == [], f"the picture is older than its answer, which is:\n{every}"
+
+
+@pytest.mark.parametrize("module", WITH_EXAMPLES)
+def test_examples_in_docstrings_are_true(module: str) -> None:
+    """The reference shows them."""
+    if module.startswith("drystone.gym"):
+        pytest.importorskip("gymnasium")
+    result = doctest.testmod(importlib.import_module(module), verbose=False)
+    assert result.attempted > 0
+    assert result.failed == 0
 
 
 LEFT_OUT = {"demo", "reproduce", "mcp", "live"} | (set() if find_spec("mujoco") else {"fall"})

@@ -15,7 +15,7 @@ from drystone.design import BuildableOptions, CutOptions, cut_until_free
 from drystone.models import prism, wedge
 from drystone.settlement import End, FlushEnds, push
 from drystone.shells import Layout, barrel_vault, build_shell
-from tests.unit.cli.test_command import commands
+from tests.unit.cli.running import commands
 
 NO_PART = {"convert", "demo", "inspect", "mcp", "models", "poses", "reproduce"}
 """Commands that read no model to check it, or make their own."""
