@@ -402,7 +402,8 @@ class Mends(Answer):
             where = f" in {n} regions" if (n := len({blocks for blocks, _ in some})) > 1 else ""
             kinds = ", ".join(dict.fromkeys(one.kind for _, one in some))
             said.append(f"{told}{where}: {kinds}")
-        return "; ".join(said)
+        alone = not self.mends and len(self.tried) == 1
+        return f"{said[0]}: {self.tried[0][1].what}" if alone else "; ".join(said)
 
     def layers(self) -> Scene:
         """Why it falls, and each mend as a stage of its own, as far as a page carries them."""

@@ -318,7 +318,9 @@ def test_what_holds_a_region_but_not_the_whole_is_told_beside_what_would_hold_it
     found = replace(fallen, mends=(), tried=((names, failed),))
     reason = next(text for text in found.diagnosis.reasons if "would hold" in text)
     told = f"{reason} (prop: the whole still falls)"
-    assert told in [sentence.text for sentence in found.sentences()]
+    said = [sentence.text for sentence in found.sentences()]
+    assert told in said
+    assert f"1 combination was tried without success: prop: {what}" in said
 
 
 def test_no_value_below_the_lowest_of_a_change_is_tried() -> None:
