@@ -273,7 +273,10 @@ def _robot_layers(assembly: Assembly, team: Sequence[Robot]) -> tuple[Layer, ...
             first, then = first[above], then[above]
             start.append(edge[first])
             way.append(edge[then] - edge[first])
-            text += [one.name if i == edge[first, 2].argmax() else "" for i in range(len(first))]
+            text += [
+                f"reach of {one.name}" if i == edge[first, 2].argmax() else ""
+                for i in range(len(first))
+            ]
     if not text:
         return (bases,)
     label, line = "where a reach ends, in the middle plane of the blocks", LayerKind.LINES

@@ -105,15 +105,16 @@ def test_bases_and_ends_of_reach_have_the_names_of_their_robots() -> None:
     layers = {layer.key: layer for layer in scene.stages[-1].layers}
     assert layers["robots"].text == ("left", "right")
     edge = layers["reach"]
-    assert sorted(filter(None, edge.text)) == ["left", "right"]
+    assert sorted(filter(None, edge.text)) == ["reach of left", "reach of right"]
     for place, name in zip(edge.position, edge.text, strict=True):
-        base = np.array(team[name == "right"].base)
+        base = np.array(team[name == "reach of right"].base)
         if name:
             assert np.linalg.norm(place - base) == pytest.approx(2.9)
     written = [one.get_text() for one in draw(scene, (9.0, 6.5)).axes[0].texts]
-    assert written.count("left") == written.count("right") == 2
+    assert [written.count(one) for one in (*layers["robots"].text, *edge.text) if one] == [1] * 4
     sent = [one for one in encode(scene)["stages"][-1]["layers"] if "text" in one]
-    assert [sorted(text for _, text in one["text"]) for one in sent] == [["left", "right"]] * 2
+    told = [sorted(text for _, text in one["text"]) for one in sent]
+    assert told == [["left", "right"], ["reach of left", "reach of right"]]
 
 
 def test_the_last_stage_shows_every_status(planned):
