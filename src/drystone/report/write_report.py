@@ -148,7 +148,7 @@ def save_instructions(plan: Plan, path: PathLike) -> None:
     table = plan.table()
     moved = [motion for step in plan.steps for motion in step.motion]
     columns = {**table.columns, "moved_along": np.array(moved).reshape(-1, 3)}
-    told = Table(table.title, columns, table.units)
+    told = Table(table.title, columns, table.units, hidden=table.hidden)
     entries = {"plan": plan.told, "found": plan.message}
     _save(path, "Assembly plan", entries, Section("Steps", (numbered_picture(plan), told)))
 
