@@ -15,7 +15,17 @@ from typing import Any, NamedTuple, Unpack
 
 import numpy as np
 
-from drystone.answer import Answer, Layer, LayerKind, MarkerShape, Role, Scene, SceneStage, Sentence
+from drystone.answer import (
+    Answer,
+    Layer,
+    LayerKind,
+    MarkerShape,
+    Role,
+    Scene,
+    SceneStage,
+    Sentence,
+    State,
+)
 from drystone.assembly import Assembly
 from drystone.base import units
 from drystone.base.arrays import Floats
@@ -212,10 +222,14 @@ class Scaffolding(Answer):
 
     def _stage(self, number: int, stage: SceneStage) -> SceneStage:
         """A stage with what is set up at it, and with what is said of it."""
-        kind, held = self.support, self.plan.steps[number].props
+        kind, held = self.support, np.flatnonzero(stage.state == State.PROPPED)
         items = [item for item in self.items if int(self.assembly.indices([item.block])[0]) in held]
         layers = scaffold_layers(items, kind, self.assembly)
-        stage = replace(stage, layers=(*stage.layers, *layers))
+        forces = [
+            replace(one, label=f"ideal {one.label}") if one.key == "help" else one
+            for one in stage.layers
+        ]
+        stage = replace(stage, layers=(*forces, *layers))
         row = next((one for one in self.stages if one["step"] == number + 1), None)
         if number + 1 not in self.failed or row is None:  # nothing is held, and it does not stand
             return stage

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from drystone import Assembly, models
-from drystone.answer import Role
+from drystone.answer import Role, State
 from drystone.models import arch
 from drystone.sequence import Plan, PlanOptions, Rules, ScaffoldOptions, plan, scaffolding
 
@@ -29,6 +29,17 @@ def test_struts_are_drawn_from_their_feet_to_the_blocks_that_they_prop(found: Pl
             np.testing.assert_allclose(layer.position + layer.vector, [one.head for one in items])
     (every,) = [layer for layer in scene.stages[-1].layers if layer.key == "scaffold"]
     assert (every.count, every.label) == (len(made.items), f"{len(made.items)} struts in all")
+
+
+def test_clamps_of_the_step_before_are_drawn_while_a_hand_holds_and_forces_are_ideal() -> None:
+    made = scaffolding(plan(arch(0.15, 4), friction=0.7), "clamp")
+    stages = made.layers().stages[:-1]
+    drawn = [any(one.key == "scaffold" for one in stage.layers) for stage in stages]
+    assert drawn == [State.PROPPED in stage.state for stage in stages]
+    assert sum(drawn) > sum(bool(step.props) for step in made.plan.steps)
+    labels = [one.label for stage in stages for one in stage.layers if one.key == "help"]
+    assert labels
+    assert all(one.startswith("ideal props and hands") for one in labels)
 
 
 def test_a_title_says_which_stages_were_only_looked_at() -> None:
