@@ -16,6 +16,7 @@ from drystone.base.settings import Stopped
 from drystone.design.changes import Change, Surgery
 from drystone.design.margin import (
     LARGE_REGION,
+    SMALL_REGION,
     SPARE,
     DesignMargin,
     quick_check,
@@ -63,6 +64,10 @@ class Tried(OneLine):
 _HARD = 3.0
 """A region jams where a joint presses with this many times its load, and it falls with
 :data:`SPARE` of the friction."""
+
+
+ALIKE = 1e-3
+"""What is alike differs by less than this share: joints, blocks, mends. Chosen."""
 
 
 class Jam(NamedTuple):
@@ -241,6 +246,38 @@ class Bench:
     def joint_name(self, interface: int) -> str:
         """A joint as text: lower, upper or inner, its block, and the other block."""
         return joint_name(self.local, self.own, interface, whole=True)
+
+    def alike(self) -> list[dict[int, float]]:
+        """Joints of a small region that are alike, two or more, as those at both ends of a board.
+
+        They have one area, and their blocks are of equal volumes. Each has its side: 1 where its
+        first block is of the region, and the other is not, or is smaller; else -1.
+        """
+        groups: list[tuple[Floats, dict[int, float]]] = []
+        for k in range(self.local.contacts.count if len(self.own) <= SMALL_REGION else 0):
+            like, side = self._sided(k)
+            same = [one for key, one in groups if np.allclose(key, like, rtol=ALIKE, atol=0.0)]
+            if not same:
+                groups.append((like, {}))
+            (same or [groups[-1][1]])[0][k] = side
+        return [one for _, one in groups if len(one) > 1]
+
+    def _sided(self, interface: int) -> tuple[Floats, float]:
+        """What joints that are alike have in common (4,), and the side of one, as above."""
+        contacts, volume = self.local.contacts, self.local.assembly.volume
+        a, b = int(contacts.block_a[interface]), int(contacts.block_b[interface])
+        inner, outer = (int(i < len(self.own)) for i in (a, b))
+        first = (inner, volume[a]) > (outer, (1.0 - ALIKE) * volume[b])
+        ends = [a, b] if first else [b, a]
+        like = np.array([contacts.area[interface], *volume[ends], inner + outer])
+        return like, 1.0 if first else -1.0
+
+    def joints_named(self, interfaces: Sequence[int]) -> str:
+        """Joints that are alike as text: two by their names, more by the first one."""
+        first, *others = (self.joint_name(k).rstrip(",") for k in interfaces)
+        return f"{first} and {others[0]}" if len(others) == 1 else (
+            f"{len(others) + 1} joints like {first}"
+        )  # fmt: skip
 
     def fail(self, kind: str, what: str, *nearest: Surgery) -> None:
         """Note a kind of mend that does not hold the region, and how close it came.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import TypeAlias
@@ -158,10 +158,8 @@ def friction_change(model: Model, group: Sequence[int], where: str) -> Change:
     return Change("friction", make, words, steps, FRICTION, low, len(group), grows=True)
 
 
-def joint_change(
-    model: Model, kind: str, group: Sequence[int], side: float, name: str = ""
-) -> Change:
-    """Joints turned, made wedges or let in to one side, by [degrees] or [m].
+def joint_change(model: Model, kind: str, sides: Mapping[int, float], name: str = "") -> Change:
+    """Joints turned, made wedges or let in, each to a side, 1 or -1, by [degrees] or [m].
 
     Raises
     ------
@@ -169,14 +167,15 @@ def joint_change(
         One of them has no area, or is not convex.
     """
 
-    def cut(model: Model, k: int, value: float) -> JointRecut:
+    def cut(model: Model, k: int, side: float, value: float) -> JointRecut:
         joint = joint_plane(model, k)
         if kind == "turn":
             return turn_cut(joint, side * value, pivot=still_edge(model, k, side))
         return (wedge_cut if kind == "wedge" else move_cut)(joint, side * value)
 
     def make(value: float, model: Model, _: Ints, interfaces: Ints) -> Model:
-        return recut(model, [cut(model, int(k), value) for k in interfaces[list(group)]])
+        each = zip(interfaces[list(sides)], sides.values(), strict=True)
+        return recut(model, [cut(model, int(k), side, value) for k, side in each])
 
     words = {
         "turn": lambda value: f"{name} turned by {value:.2f} degrees",
@@ -185,12 +184,24 @@ def joint_change(
     }[kind]
     width = 1.0
     steps, close = _JOINTS[kind]
-    planes = [joint_plane(model, k) for k in group]
+    planes = [joint_plane(model, k) for k in sides]
     if kind == "let-in":
         width = min(float(np.ptp(joint.reach(joint.frame[2]))) for joint in planes)
     steps = tuple(width * step for step in steps)
     low = 1.0 if kind == "turn" else steps[0]
-    return Change(kind, make, words, steps, width * close, low, len(group), len(group))
+    return Change(kind, make, words, steps, width * close, low, len(sides), len(sides))
+
+
+def glue_change(
+    joints: tuple[int, ...], steps: tuple[float, ...], close: float, words: Callable[[float], str]
+) -> Change:
+    """The same glue in some joints; steps and accuracy as of :class:`Change`."""
+
+    def make(strength: float, model: Model, _: Ints, at: Ints) -> Model:
+        return glued(model, at[list(joints)], strength)
+
+    count = len(joints)
+    return Change("glue", make, words, steps, close, 0.0, count, count, grows=True)
 
 
 def glue_changes(
@@ -208,10 +219,6 @@ def glue_changes(
         The interfaces that pull, and their forces [N].
     few
     """
-
-    def make(joints: tuple[int, ...], strength: float, model: Model, _: Ints, at: Ints) -> Model:
-        return glued(model, at[list(joints)], strength)
-
     contacts = model.contacts
     if count <= few:
         weight = float(np.linalg.norm(model.load.wrench[:count, :3].sum(axis=0)))
@@ -229,12 +236,9 @@ def glue_changes(
         return {}
     steps = tuple(share * most for share in _GLUE_SHARES)
     return {
-        joints: Change(
-            "glue", partial(make, joints), partial(glue_words, model, joints), steps, close, 0.0,
-            len(joints), len(joints), grows=True,
-        )
+        joints: glue_change(joints, steps, close, partial(glue_words, model, joints))
         for joints in groups
-    }  # fmt: skip
+    }
 
 
 def ballast_change(model: Model, count: int, block: int) -> Change:

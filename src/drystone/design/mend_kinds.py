@@ -23,6 +23,7 @@ from drystone.design.changes import (
     Change,
     ballast_change,
     friction_change,
+    glue_change,
     glue_changes,
     joint_change,
 )
@@ -163,20 +164,27 @@ def _joints(asked: KnownNeeds, kind: str) -> Proposals:
     small = len(bench.own) <= SMALL_REGION
     turn = asked.needs.turn
     known = [None if turn is None else turn.value] * 2 if kind == "turn" and small else None
-    for group in [[k] for k in range(count)] if small else [list(range(count))]:
-        name = bench.joint_name(group[0]) if len(group) == 1 else "all its joints"
-        stay = bench.kept_at(group)
+    groups = [{k: 1.0} for k in range(count)] if small else [dict.fromkeys(range(count), 1.0)]
+    for group in (*groups, *bench.alike()):
+        last = small and len(group) > 1
+        name = bench.joint_name(next(iter(group))) if len(group) == 1 else "all its joints"
+        name = f"{bench.joints_named(list(group))}, each" if last else name
+        stay = bench.kept_at(list(group))
         if stay:
             yield _kept(kind, name.rstrip(","), stay)
             continue
         try:
-            sides = [joint_change(bench.local, kind, group, side, name) for side in (1.0, -1.0)]
+            sides = [
+                joint_change(bench.local, kind, {k: sign * group[k] for k in group}, name)
+                for sign in (1.0, -1.0)
+            ]
         except InputError as error:
             yield str(error)
             continue
         most = sides[0].steps[-1]
         told = f"{most:g} degrees" if kind != "let-in" else f"{1e3 * most:.0f} mm"
-        yield Tries(sides, f"{name.rstrip(',')} up to {told}", Take.SMALLEST, known)
+        why = f"{name.rstrip(',')} up to {told}"
+        yield Tries(sides, why, Take.SMALLEST, None if last else known, last=last)
 
 
 def _thicker(asked: KnownNeeds) -> Proposals:
@@ -315,6 +323,15 @@ def _glue(asked: KnownNeeds) -> Proposals:
         most = quantity(some[0].steps[-1], "N")
         why = f"it falls with glue of {most} in the {some[0].joints} joints that pull"
     yield Tries(some, why, known=None if bench.large else known)
+    alike = [tuple(group) for group in bench.alike() if not bench.kept_at(list(group))]
+    both = [
+        glue_change(
+            on, some[0].steps, some[0].close, partial(glue_words, bench.local, on, name=name)
+        )
+        for on in alike
+        for name in (bench.joints_named(on),)
+    ]
+    yield Tries(both, "", last=True)
 
 
 def _merge(asked: KnownNeeds) -> Proposals:

@@ -16,7 +16,7 @@ from drystone.base.display import named, rounded_down, shortened
 from drystone.base.errors import InputError, counted
 from drystone.base.settings import Clock, LongWork, Options, Stop, checked_call
 from drystone.base.workers import WorkerPool
-from drystone.design.bench import Tried
+from drystone.design.bench import ALIKE, Tried
 from drystone.design.changed import Changed, Kept
 from drystone.design.diagnosis import Diagnosis, DiagnosisOptions, Region, diagnose
 from drystone.design.margin import QUICK, DesignMargin
@@ -358,17 +358,30 @@ class Mends(Answer):
         if all(parts.values()):
             best = ",".join(f"{own[0] + 1}" for own in parts.values())
             said += f": one of each is needed, --auto or --apply {best} makes the cheapest of each"
-        told, before = [said], dict[tuple[Any, ...], list[int]]()
+        told, before = [said], list[list[int]]()
         for blocks, own in parts.items():
-            same = before.setdefault(self._what(own), own)
+            like = max((self._like(own, some) for some in before), key=len, default={})
+            rest = [shown[i] for i in own if i in shown.keys() - like.keys()]
             who = names_of(self.model, self.model.assembly.indices(blocks).tolist())
-            if not own:
-                told.append(f"for {who}: no mend was found")
-            elif same is own or every:
-                told += [f"for {who}:", *(shown[i] for i in own if i in shown)]
-            else:
-                told.append(f"for {who}, alike: {_numbers(own)}, as {_numbers(same)}")
+            head = f"for {who}{_alike_words(like)}" if own else f"for {who}: no mend was found"
+            told += [head + ":" * bool(rest), *rest]
+            before += [own] * (not every)
         return told
+
+    def _like(self, own: Sequence[int], before: Sequence[int]) -> dict[int, int]:
+        """Positions of the mends of a part that are as those of another one, with theirs.
+
+        None where the first ones differ: then the parts are not alike.
+        """
+        pairs = [(i, j) for i in own for j in before if self._same(i, j)]
+        return dict(reversed(pairs)) if (*own[:1], *before[:1]) in pairs else {}
+
+    def _same(self, i: int, j: int) -> bool:
+        """Whether two mends are the same but for the blocks that they hold."""
+        one, other = self.mends[i].change, self.mends[j].change
+        near = np.isclose((one.value, one.cost), (other.value, other.cost), rtol=ALIKE)
+        known = (one.kind, one.joints, one.added) == (other.kind, other.joints, other.added)
+        return known and bool(near.all())
 
     def _parts(self) -> dict[tuple[str, ...], list[int]]:
         """Positions of the mends of each region that falls, by the names of its blocks."""
@@ -378,13 +391,6 @@ class Mends(Answer):
         for i, one in enumerate(self.mends):
             parts.setdefault(one.change.blocks, []).append(i)
         return parts
-
-    def _what(self, some: Sequence[int]) -> tuple[Any, ...]:
-        """What mends are, whichever blocks they hold."""
-        each = [self.mends[i].change for i in some]
-        return tuple(
-            (one.kind, one.joints, one.added, f"{one.value:.2g}", f"{one.cost:.2g}") for one in each
-        )
 
     def failures(self) -> list[str]:
         """A line for each mend that is like another one, and for each tried without success."""
@@ -523,10 +529,11 @@ def find_mends(
     return Mends(found, tuple(mends), tuple(tried), case=case)
 
 
-def _numbers(some: Sequence[int]) -> str:
-    """The numbers of mends that follow each other."""
-    first, last = some[0] + 1, some[-1] + 1
-    return f"mend {first}" if first == last else f"mends {first} to {last}"
+def _alike_words(like: Mapping[int, int]) -> str:
+    """That some mends are as others, by their positions; empty where there are none."""
+    each = [sorted({i + 1 for i in some}) for some in (like, like.values())]
+    told = [f"mend{'s' * (len(some) > 1)} {listed(list(map(str, some)))}" for some in each if some]
+    return f", alike: {', as '.join(told)}" if told else ""
 
 
 def _with_margin(made: Sequence[Changed], stop: Stop) -> list[Changed]:

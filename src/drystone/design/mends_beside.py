@@ -113,7 +113,8 @@ def _by_force(
     told, total = words(forces, points), float(np.linalg.norm(forces, axis=1).sum())
     if bench.margin != DesignMargin():
         told += ": the largest force at the margin"
-    return Change.single(change.kind, make, told, total, added=change.added), total
+    joints, added = change.joints, change.added
+    return Change.single(change.kind, make, told, total, joints=joints, added=added), total
 
 
 def _steady(bench: Bench, block: int, force: Floats, point: Floats) -> str:
@@ -153,18 +154,29 @@ def tie(asked: KnownNeeds) -> Proposals:
             model = tied(model, int(blocks[i]), int(blocks[j]))
         return model
 
+    touching = {*zip(local.contacts.block_a.tolist(), local.contacts.block_b.tolist(), strict=True)}
+
+    def through(ties: Sequence[_Ends]) -> int:
+        """The number of joints that ties go through: those of blocks that touch."""
+        return sum((i, j) in touching or (j, i) in touching for i, j in ties)
+
     def words(ties: tuple[_Ends, ...], forces: Floats, _: Floats) -> str:
         told = []
         for (i, j), force in zip(ties, forces, strict=True):
             far, pull = np.linalg.norm(centroid[i] - centroid[j]), math.hypot(*force)
             between = f"the middles of {names_of(local, [i, j])}, {far:.3g} m apart"
+            between += " through their joint" * through([(i, j)])
             told.append(f"{quantity(pull, 'N')} between {between}")
-        several = f"{len(told)} ties that pull" if len(told) > 1 else "a tie that pulls"
+        what = "dowel" if through(ties) == len(ties) else "tie"
+        several = f"{len(told)} {what}s that pull" if len(told) > 1 else f"a {what} that pulls"
         return f"{several} {listed(told)}"
 
     def tries(several: list[tuple[_Ends, ...]], why: str) -> Tries:
         of = {
-            Change.single("tie", partial(make, ties), "", added=len(ties)): ties for ties in several
+            Change.single(
+                "tie", partial(make, ties), "", joints=through(ties), added=len(ties)
+            ): ties
+            for ties in several
         }
 
         def told(change: Change) -> Held:
@@ -174,7 +186,8 @@ def tie(asked: KnownNeeds) -> Proposals:
         more = Change.single("tie", partial(make, all_ties), "") if len(several) > 2 else None
         return Tries(list(of), why, Take.FIRST, told=told, together=more)
 
-    first = apart[np.lexsort((_off(bench, apart), bulk))].tolist()
+    dowels = np.array([through([(i, j)]) for i, j in apart.tolist()])  # they are tried last
+    first = apart[np.lexsort((_off(bench, apart), bulk, dowels))].tolist()
     why = f"a tie between blocks that move apart, of {counted(len(first), 'pair')}"
     several: list[tuple[_Ends, ...]] = [((i, j),) for i, j in first]
     ties: tuple[_Ends, ...] = ()

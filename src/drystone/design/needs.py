@@ -218,7 +218,7 @@ def _turn(bench: Bench) -> Need | None:
     turns, at = [], []
     for k, side in product(range(bench.local.contacts.count), (1.0, -1.0)):
         with contextlib.suppress(InputError):  # it is not plane
-            turns.append(joint_change(bench.local, "turn", [k], side))
+            turns.append(joint_change(bench.local, "turn", {k: side}))
             at.append(int(bench.interfaces[k]))
     return _smallest(bench, turns, at)
 

@@ -59,15 +59,18 @@ def towards(way: Floats) -> str:
 
 
 def glue_words(
-    model: Model, interfaces: Sequence[int], strength: float, *, whole: bool = True
+    model: Model, interfaces: Sequence[int], strength: float, *, whole: bool = True, name: str = ""
 ) -> str:
     """Glue in some joints as text, with its strength [N] rounded up.
 
-    Without ``whole`` blocks are not named: the sentence has their names already.
+    Without ``whole`` blocks are not named: the sentence has their names already. ``name`` is that
+    of joints that are alike.
     """
     ends = {(int(model.contacts.block_a[k]), int(model.contacts.block_b[k])) for k in interfaces}
     where = f" between {names_of(model, ends.pop()) if whole else 'them'}" if len(ends) == 1 else ""
     carried = f"a pull, and a shear, of {quantity(rounded_up(strength, 3), 'N')}"
+    if name:
+        return f"glue or pegs in {name}, each of which carries {carried}"
     if len(interfaces) == 1:
         return f"glue{where} that carries {carried}"
     count = f"{len(interfaces)} joints"

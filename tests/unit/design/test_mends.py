@@ -813,3 +813,20 @@ def test_two_parts_that_fall_are_listed_apart_and_one_mend_of_each_makes_it_stan
     assert (alone.stands, alone.message) == (False, "it still falls: out-1")
     with pytest.raises(InputError, match="two mends are of the same blocks"):
         found.together([1, 1])
+
+
+def test_a_board_on_two_loose_cleats_is_held_by_the_joints_of_both() -> None:
+    """Nothing presses on the cleats: one of them let in leaves the other one to slide."""
+    blocks = []
+    for name, x, inner in (("left", 0.0, 0.1), ("right", 1.1, 1.0)):
+        blocks.append(box((0.1, 0.3, 1.2), (x, 0.0, 0.0), f"upright-{name}"))
+        blocks.append(box((0.1, 0.3, 0.1), (inner, 0.0, 0.3), f"cleat-{name}"))
+    blocks.append(box((0.9, 0.3, 0.05), (0.15, 0.0, 0.4), "board"))
+    model = Model.of(Assembly(tuple(blocks)).with_fixed([0, 2]), friction=0.5)
+    found = find_mends(model, options=MendOptions(kinds=("let-in", "tie"), keep=("board",)))
+    let_in, dowels = sorted((one.change for one in found.mends), key=lambda one: one.kind)
+    both = "the joint of 'cleat-left' with 'upright-left' and the joint of 'cleat-right' with"
+    assert let_in.description.startswith(f"{both} 'upright-right', each let in by 10 mm")
+    assert dowels.description.startswith("2 dowels that pull ")
+    assert dowels.description.endswith("apart through their joint")
+    assert (let_in.joints, dowels.joints, dowels.cost) == (2, 2, 6.0)
