@@ -3,7 +3,7 @@
 Coupled rigid-block analysis needs corner forces in equilibrium and block motions q such that a
 corner is in compression only where it closes, and friction acts only against its slide (Kao et al.
 2022, eq. 5.6). For a given motion the forces are the solution of a convex program; for given forces
-the motion is. :mod:`benchmarks.shims.improvement` solves both alternately.
+the motion is. :mod:`benchmarks.shims.stiffness_range` steps between them.
 
 A corner in compression has two unknowns, both >= 0: the factor of the normal force ``n``, and the
 factor of ``n - mu t``, a force at the friction limit against the unit slide t.

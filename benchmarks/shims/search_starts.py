@@ -6,14 +6,13 @@ from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
-from itertools import chain
 from typing import TypeVar
 
 import numpy as np
 from scipy.sparse.linalg import lsmr
 
 from benchmarks.shims.compatible import compatible_motion
-from benchmarks.shims.improvement import CompatibleState, improve
+from benchmarks.shims.improvement import CompatibleState
 from benchmarks.shims.stiffness_range import (
     BALANCED,
     ROUNDING,
@@ -40,11 +39,6 @@ FEW = 24
 """Corners beyond which fewer random motions are tried. Their number is in inverse proportion to the
 number of corners, because the time of one start grows with it, and to the number of blocks, because
 in models of many blocks hardly any random motion leads to a state."""
-
-PARTS, PARTS_LIMIT = 8, 400
-"""Number of random subsets of corners whose forces start a search for equal overlaps, and the
-corners of the largest model in which that is done. A start takes less than 0.1 s there. Four times
-as many random motions are tried in a model of one block."""
 
 SEARCH_LIMIT = 4000
 """Corners of the largest model that is searched. One convex step takes about 1 s there."""
@@ -100,16 +94,6 @@ class StateSearch:
             if state is not None:
                 yield state
 
-    def equal_overlap_states(self) -> Iterator[CompatibleState]:
-        """States with equal overlaps (eq. 5.6): one at the end of the steps from each start."""
-        task = partial(_equal_overlap, self.problem.statics, self.clock)
-        for state in self._followed(task, chain(self._starts(), self._more_starts())):
-            yield self._counted(state)
-
-    def equal_overlap(self, motion: Floats) -> CompatibleState:
-        """The state with equal overlaps at the end of the steps from one start."""
-        return self._counted(_equal_overlap(self.problem.statics, self.clock, motion))
-
     def slide(self, state: CompatibleState) -> float:
         """Largest displacement of a corner by the largest overlap: eta / eps."""
         return float(np.abs(self.problem.statics.displacement(state.motion)).max(initial=0.0))
@@ -138,10 +122,6 @@ class StateSearch:
             self.iterations += spent.popleft()
             yield found
         self.iterations += sum(spent)
-
-    def _counted(self, state: CompatibleState) -> CompatibleState:
-        self.iterations += state.iterations
-        return state
 
     def _starts(self) -> Iterator[Floats]:
         statics = self.problem.statics
@@ -190,20 +170,6 @@ class StateSearch:
         motion -= lsmr(rows, closing)[0]
         return motion.reshape(-1, 6)
 
-    def _more_starts(self) -> Iterator[Floats]:
-        """Motions that fit forces at 40 to 90 % of the corners, then random motions."""
-        statics = self.problem.statics
-        count, blocks = statics.corner_count, statics.free_count
-        if count > PARTS_LIMIT:
-            return
-        rng = np.random.default_rng(self.seed)
-        parts = (rng.random(count) < rng.uniform(0.4, 0.9) for _ in range(PARTS))
-        yield from self._agreeing(part for part in parts if part.any())
-        for _ in range(4 * PARTS // blocks):
-            if self.clock.late():
-                return
-            yield rng.standard_normal((blocks, 6))
-
     def _agreeing(self, parts: Iterable[Bools]) -> Iterator[Floats]:
         """Motions that agree best with forces at some corners (k,) that balance the loads."""
         for corners in parts:
@@ -251,8 +217,3 @@ def _state_within(
     state = with_reduced_ratio(statics, wide, small, stop=clock.late)
     within = stiffness_ratio(statics, state) <= ratio * ROUNDING
     return state if within else None, wide.iterations + state.iterations
-
-
-def _equal_overlap(statics: Statics, clock: Clock, motion: Floats) -> CompatibleState:
-    """The state with equal overlaps at the end of the steps from one start."""
-    return improve(statics, motion, stop=clock.late)

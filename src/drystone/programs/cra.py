@@ -9,7 +9,7 @@ from typing import Any, Unpack
 
 import numpy as np
 
-from drystone.base.arrays import lengths
+from drystone.base.arrays import Floats, lengths
 from drystone.base.display import named
 from drystone.base.settings import Clock, Options, checked_call
 from drystone.checks import check_forces, corner_motion
@@ -19,6 +19,7 @@ from drystone.mechanics.law import Compliance, FrictionBound, SlipLength
 from drystone.mechanics.rest import find_rest
 from drystone.mechanics.rest_state import RestOptions, RestState
 from drystone.mechanics.statics import Statics
+from drystone.programs.overlaps import EqualOverlaps
 from drystone.results import Result, Verdict
 from drystone.solvers.threads import one_blas_thread
 from drystone.stability.asked import SAMPLES, Asked, CheckOptions
@@ -61,10 +62,10 @@ class CRAOptions(Options):
 def solve_cra(given: Given, *, options: CRAOptions | None = None, **how: Unpack[LongHow]) -> Result:
     """Forces and a virtual motion with equal overlaps wherever force passes (eq. 5.6).
 
-    A state is searched along the path of the loads; states that jam are not. Where none is found,
-    the verdict is that of :func:`check`, which need not be that of CRA: what comes to rest without
-    such a state is stable all the same, and what is undecided there is so here. The message says
-    both.
+    A state is searched along the path of the loads, and from other motions where :func:`check` does
+    not follow the blocks into a fall: states that only jam are none. Where none is found, the
+    verdict is that of :func:`check`, which need not be that of CRA: what comes to rest without such
+    a state is stable all the same, and what is undecided there is so here. The message says both.
 
     Parameters
     ----------
@@ -105,14 +106,23 @@ def solve_cra(given: Given, *, options: CRAOptions | None = None, **how: Unpack[
         "stopped": clock.reason,
         "time_s": {"solve": clock.elapsed_s},
     }
-    if best is not None and _left(best) <= chosen.tolerance:
-        met = f"stands, eq. 5.6 is met; the largest displacement is {best.eta:.3g} overlaps"
-        if _meets(best, chosen):
-            return replace(best, message=met, **told)
-        wider = f"{met}, more than the {chosen.slide_limit:g} asked for"
-        return replace(best, method="rest", message=wider, **told)
-    base = decided(Asked(problem, CheckOptions(samples=SAMPLES), clock))
+    met = "stands, eq. 5.6 is met; the largest displacement is {:.3g} overlaps"
+    if best is not None and _meets(best, chosen):
+        return replace(best, message=met.format(best.eta), **told)
+    wide = best if best is not None and _left(best) <= chosen.tolerance else None
+    base = wide
+    if base is None:
+        base = decided(Asked(problem, CheckOptions(samples=SAMPLES), clock))
+    if problem.statics.free_count and base.verdict is not Verdict.UNSTABLE:
+        clock.tell("other motions", 0, 1)
+        for motion, force in EqualOverlaps(problem.statics, clock.late).states():
+            state = _examined(problem, motion, force)
+            if _meets(state, chosen):
+                return replace(state, message=met.format(state.eta), **told)
     told |= {"stopped": clock.reason, "time_s": {"solve": clock.elapsed_s}}
+    if wide is not None:
+        wider = f"{met.format(wide.eta)}, more than the {chosen.slide_limit:g} asked for"
+        return replace(wide, method="rest", message=wider, **told)
     if not problem.statics.free_count:
         return replace(base, method="cra", **told)
     if base.verdict is Verdict.UNDECIDED:
@@ -150,8 +160,17 @@ def _with_equal_overlaps(problem: Problem, slip: float, clock: Clock) -> Result 
     if problem.ground_share(start.ground).max() > HANGS or clock.late():
         return None
     path = equal_overlap(problem.statics, start, slip, stop=clock.late)
-    model, force = problem.model, problem.force(path.force)
-    displacement = problem.displacement(path.motion)
+    return replace(
+        _examined(problem, path.motion, path.force),
+        solver="equal-overlap path",
+        iterations=path.iterations,
+    )
+
+
+def _examined(problem: Problem, motion: Floats, scaled: Floats) -> Result:
+    """A state of scaled motion (n, 6) and forces (k, 3), with its residuals."""
+    model, force = problem.model, problem.force(scaled)
+    displacement = problem.displacement(motion)
     residuals = check_forces(model, force, displacement)
     moved = corner_motion(model.assembly, model.contacts, displacement)
     overlap = -moved[:, 0]
@@ -167,8 +186,7 @@ def _with_equal_overlaps(problem: Problem, slip: float, clock: Clock) -> Result 
         displacement=displacement,
         residuals=replace(residuals, overlap=max(spread, deeper)),
         eta=float(lengths(moved[problem.corners]).max(initial=0.0)) / mean,
-        solver="equal-overlap path",
-        iterations=path.iterations,
+        solver="steps from many motions",
     )
 
 
@@ -212,14 +230,16 @@ def equal_overlap(
     state = replace(start, motion=start.motion / mean)
     left, factor, iterations = 1.0, 0.3, 0
     for _ in range(_POINTS):
-        aim = max(left * factor, SPRING_LEFT)
+        # where few corners bear the loads, overlaps differ more than the springs that are left
+        least = SPRING_LEFT / max(1.0, 0.2 * float((state.force[:, 0] / spring).max()))
+        aim = max(left * factor, least)
         law = Compliance(spring / aim, reach, overlap=1.0 - aim)
         trial = find_rest(statics, law, options, start=state, stop=stop)
         iterations += trial.iterations
         if trial.converged:
             state, left = trial, aim
             factor = max(factor**1.5, 0.03)
-            if left <= SPRING_LEFT:
+            if left <= least:
                 break
         else:
             factor = np.sqrt(factor)

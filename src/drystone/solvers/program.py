@@ -41,8 +41,8 @@ class Variable:
 
 
 Term: TypeAlias = tuple[Variable, Any]
-"""A variable and its coefficient: a sparse matrix, a vector (a diagonal), or a number (times the
-identity)."""
+"""A variable and its coefficient: a matrix, sparse or not, a vector (a diagonal) or a number (times
+the identity)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -220,6 +220,9 @@ def _entries(coefficient: Any, rows: int) -> tuple[Ints, Ints, Floats]:
     if sparse.issparse(coefficient):
         found = cast(Any, coefficient).tocoo()
         return found.row, found.col, found.data
+    if np.ndim(coefficient) == 2:
+        row, column = np.nonzero(coefficient)
+        return row, column, coefficient[row, column]
     place = np.arange(rows)
     return place, place, np.full(rows, coefficient)
 
