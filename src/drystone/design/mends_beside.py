@@ -25,6 +25,7 @@ from drystone.design.search import least
 from drystone.design.words import force_words, listed, names_of, place
 from drystone.loads import LoadCase
 from drystone.model import Model
+from drystone.sequence.scaffold_seats import in_the_open
 from drystone.ties import tied
 
 _FIRST = 6
@@ -166,6 +167,8 @@ def tie(asked: KnownNeeds) -> Proposals:
             far, pull = np.linalg.norm(centroid[i] - centroid[j]), math.hypot(*force)
             between = f"the middles of {names_of(local, [i, j])}, {far:.3g} m apart"
             between += " through their joint" * through([(i, j)])
+            free = in_the_open(bench.model.assembly, *bench.blocks[[i, j]].tolist())
+            between += f", {free:.3g} m of it in the open" if free > 0.01 * far else ""
             told.append(f"{quantity(pull, 'N')} between {between}")
         what = "dowel" if through(ties) == len(ties) else "tie"
         several = f"{len(told)} {what}s that pull" if len(told) > 1 else f"a {what} that pulls"

@@ -32,7 +32,10 @@ VERSION = 1
 TOP = ("schema", "version", "units", "blocks", "contacts", "detection", "ends", "loads", "results")
 BLOCK = ("name", "vertices", "faces", "fixed", "density", "metadata", "repairs")
 CONTACTS = ("block_a", "block_b", "frame", "area", "friction", "point", "interface")
-LOAD = ("name", "wrench", "motion", "acceleration", "shake", "masses", "given", "surface", "parts")
+LOAD = (
+    *("name", "wrench", "motion", "acceleration", "shake", "masses", "given", "surface", "notes"),
+    "parts",
+)
 ARRAYS = {
     "force": 3,
     "force_with_props": 3,
@@ -203,7 +206,7 @@ def _load(field: Field, assembly: Assembly) -> LoadCase:
     wrench = field["wrench"].floats(n, 6)
     read = LoadCase(
         wrench, name, motion=motion, acceleration=acceleration, surface=surface, masses=masses,
-        shake=shake, given=given,
+        shake=shake, given=given, notes=tuple(x.text() for x in field.get("notes", []).elements()),
     )  # fmt: skip
     others, _ = other_loads(assembly, read.beside_masses, common_acceleration(assembly, read))
     return replace(read, each=GivenLoad.of(name, others, given))

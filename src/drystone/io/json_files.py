@@ -114,6 +114,8 @@ def _load_content(load: LoadCase) -> dict[str, Any]:
         "given": load.given is not None,
     }
     content |= {name: getattr(load, name).tolist() for name, some in there.items() if some}
+    if load.notes:
+        content["notes"] = list(load.notes)
     if load.masses:
         content["masses"] = [
             {name: plain.tolist() if name != "kind" else plain for name, plain in vars(one).items()}

@@ -31,6 +31,11 @@ from drystone.model import Model
 from drystone.results import Result
 from drystone.stability.problem import Problem
 
+_AGAIN = (
+    "ask what was mended of all places: drystone limit train mended.json --case weight, with the "
+    "same --train and --fill"
+)
+
 
 @dataclass(frozen=True, eq=False)
 class TrainEnvelope(Answer):
@@ -78,7 +83,10 @@ class TrainEnvelope(Answer):
     @property
     def loaded(self) -> Model:
         """The bridge with the train at the worst place, such as for mends."""
-        return self.model.with_load(self.model.load + self._placed[self.worst].live)
+        one = self._placed[self.worst]
+        place = f"'{self.train.name}' stands at {one.at.words} alone"
+        note = f"{place}: what holds that may fall with it elsewhere; {_AGAIN}"
+        return self.model.with_load(self.model.load + replace(one.live, notes=(note,)))
 
     @property
     def worst(self) -> int:
@@ -274,7 +282,7 @@ class TrainEnvelope(Answer):
             said += self.limit.sentences()[self.limit.stands is not None :]
         if not self._carried:
             how = "'drystone mend' of the bridge under it, which --out writes as a file"
-            said.append(Sentence(f"what would carry the train: {how}"))
+            said.append(Sentence(f"what would carry the train at this place: {how}; {_AGAIN}"))
         if self.stopped:
             every = max(self.asked_for, len(self.places))
             missing = f"{len(self.places)} of {counted(every, 'place')}"

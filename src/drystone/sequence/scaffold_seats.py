@@ -218,6 +218,23 @@ def first_met(
     return Landing(int(owner[first]), start + share[first] * (end - start), normal)
 
 
+def in_the_open(assembly: Assembly, one: int, other: int) -> float:
+    """How much of the line between the centroids of two blocks lies in no block [m]."""
+    start, end = assembly.centroid[[one, other]]
+    triangles, owner = surface_triangles(assembly)
+    hit, share = crossings(start, end, triangles)
+    covered: list[tuple[float, float]] = []
+    for block in {one, other, *owner[hit].tolist()}:
+        met = np.unique(share[hit & (owner == block)].round(9)).tolist()
+        met = [*[0.0] * (block == one), *met, *[1.0] * (block == other)]
+        covered += zip(met[::2], met[1::2], strict=False)
+    reached, free = 0.0, 0.0
+    for low, high in [*sorted(covered), (1.0, 1.0)]:
+        free += max(low - reached, 0.0)
+        reached = max(reached, high)
+    return free * float(np.linalg.norm(end - start))
+
+
 def post_ways(assembly: Assembly, blocks: Ints, point: Floats, way: Floats) -> Floats:
     """Posts (p, 3) [m], as drawn, from points (p, 3) [m] of blocks along unit vectors (p, 3).
 

@@ -1,5 +1,6 @@
 """Trains over bridges: the envelope, what fill resists, workers, files, and what is refused."""
 
+import re
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
@@ -427,7 +428,9 @@ def test_the_command_draws_the_envelope(
     assert main([*words, "--fill", fill, "--out", "under.json"]) == 0
     assert "Stands under 'lm1' up to load factor" in capsys.readouterr().out
     assert "Largest load factor" in Path("b.html").read_text("utf-8")
-    assert " + lm1 at x = " in read("under.json").load.name
+    under = read("under.json")
+    assert " + lm1 at x = " in under.load.name
+    assert re.match(r"'lm1' stands at x = .* alone: what holds that may fall", under.notes[-1])
 
 
 @pytest.mark.parametrize(
