@@ -206,17 +206,19 @@ def armadillo(model: str, stored: str, repeats: int) -> None:
         seconds.append(time.process_time() - begin)
     found = {
         pair: i
-        for i, pair in enumerate(zip(report.block_a.tolist(), report.block_b.tolist(), strict=True))
+        for i, pair in enumerate(
+            zip(report.interfaces.block_a.tolist(), report.interfaces.block_b.tolist(), strict=True)
+        )
     }
-    assert len(found) == len(report.area), "two interfaces between two blocks"
+    assert len(found) == len(report.interfaces.area), "two interfaces between two blocks"
     rows = []
     for entry in json.loads(Path(stored).read_text(encoding="utf-8"))["interfaces"]:
         first, second = (assembly.index(name) for name in entry["blocks"])
         at = found.pop((min(first, second), max(first, second)))
         face = dict(
             zip(
-                (int(report.block_a[at]), int(report.block_b[at])),
-                (int(report.face_a[at]), int(report.face_b[at])),
+                (int(report.interfaces.block_a[at]), int(report.interfaces.block_b[at])),
+                (int(report.interfaces.face_a[at]), int(report.interfaces.face_b[at])),
                 strict=True,
             )
         )
@@ -227,7 +229,7 @@ def armadillo(model: str, stored: str, repeats: int) -> None:
         points = np.array(entry["points"])
         vector = area_vectors(points, np.array([0, len(points)]))[0]
         area = float(np.linalg.norm(vector))
-        rows.append((area, report.area[at], skew_area(*corners, vector / area)))
+        rows.append((area, report.interfaces.area[at], skew_area(*corners, vector / area)))
     areas, own, skew = np.array(rows).T
     missing = np.abs(own - areas)
     held = sum(bool(assembly.fixed[a] and assembly.fixed[b]) for a, b in found)

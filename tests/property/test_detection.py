@@ -50,7 +50,7 @@ def table(detection: Detection, order: np.ndarray, scale: float) -> np.ndarray:
             blocks,
             np.diff(contacts.start),
             np.round(contacts.area / scale**2, 6),
-            np.round(report.gap / scale, 6) + 0.0,
+            np.round(report.interfaces.gap / scale, 6) + 0.0,
         ]
     )
     return rows[np.lexsort(rows.T[::-1])]

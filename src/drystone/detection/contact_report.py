@@ -9,12 +9,13 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from drystone.base.arrays import Bools, Floats, Ints, places
+from drystone.base.arrays import Ints, places
 from drystone.base.display import Card, first_of, named
 from drystone.base.errors import counted
 from drystone.base.table import Table
 from drystone.detection.advice import suggestions
 from drystone.detection.face_overlaps import Overlap, overlap_lines, require_apart
+from drystone.detection.interfaces import Interfaces
 from drystone.detection.misses import Inexact, Shortfall, inexact_lines
 from drystone.detection.resample import Resampled, resampled_lines
 from drystone.detection.tolerances import (
@@ -28,11 +29,6 @@ from drystone.detection.tolerances import (
 
 _KINDS = {3: "area", 2: "line", 1: "point"}
 """Names of the kinds of interfaces."""
-
-_OF_INTERFACES = (
-    "face_a", "face_b", "kind", "area", "gap", "warp", "angle", "clipped", "merged",
-)  # fmt: skip
-"""Attributes with a row per interface, beside the blocks."""
 
 _BETWEEN = {
     "missed": ("gap", "angle", "area", "joined"),
@@ -61,22 +57,8 @@ class ContactReport(Card):
     names
         Of the blocks.
     options
-    block_a, block_b, face_a, face_b : (m,)
-        Blocks and (first) faces of each interface; -1 where the block touches with an edge or a
-        corner.
-    kind : (m,)
-        3 for an area, 2 for a line, 1 for a point.
-    area : (m,) [m2]
-    gap : (m,) [m]
-        Distance of the faces at the middle of the interface, negative where they overlap.
-    warp : (m,) [m]
-        Largest distance of a corner from the plane of its face, for both faces.
-    angle : (m,) [deg]
-        Between the two faces.
-    clipped : (m,) bool
-        Whether the faces are within tolerance on only a part of their common area.
-    merged : (m,)
-        Number of facets that the interface stands for.
+    interfaces
+        With a row each: blocks, faces, area, gap, warp and angle.
     resampled
         Pairs whose curved joints have fewer interfaces than facets.
     missed
@@ -106,17 +88,7 @@ class ContactReport(Card):
 
     names: tuple[str, ...]
     options: DetectionOptions
-    block_a: Ints
-    block_b: Ints
-    face_a: Ints
-    face_b: Ints
-    kind: Ints
-    area: Floats
-    gap: Floats
-    warp: Floats
-    angle: Floats
-    clipped: Bools
-    merged: Ints
+    interfaces: Interfaces
     resampled: tuple[Resampled, ...]
     missed: tuple[Missed, ...]
     farther: tuple[Missed, ...]
@@ -131,7 +103,8 @@ class ContactReport(Card):
     repairs: tuple[tuple[int, str], ...]
 
     def _facts(self) -> tuple[str, Mapping[str, object]]:
-        ends = [self.gap.min(), self.gap.max()] if len(self.gap) else []
+        gap = self.interfaces.gap
+        ends = [gap.min(), gap.max()] if len(gap) else []
         return self._summary(), {
             "gaps [mm]": " to ".join(millimetres(gap) for gap in ends),
             "touch nothing": named([self.names[i] for i in self.isolated], SHOWN),
@@ -141,7 +114,8 @@ class ContactReport(Card):
     def _summary(self) -> str:
         apart = len({(miss.block_a, miss.block_b) for miss in self.missed if not miss.joined})
         return (
-            f"{counted(len(self.names), 'block')}, {counted(len(self.area), 'interface')} in "
+            f"{counted(len(self.names), 'block')}, "
+            f"{counted(self.interfaces.count, 'interface')} in "
             f"{counted(self.pair_count, 'pair')}, {counted(apart, 'pair')} missed, "
             f"{counted(len(self.overlaps), 'overlap')}"
         )
@@ -149,7 +123,8 @@ class ContactReport(Card):
     @property
     def pair_count(self) -> int:
         """Number of pairs of blocks that touch."""
-        return len(np.unique(self.block_a * len(self.names) + self.block_b))
+        found = self.interfaces
+        return len(np.unique(found.block_a * len(self.names) + found.block_b))
 
     @property
     def overlaps_left(self) -> tuple[Overlap, ...]:
@@ -181,8 +156,10 @@ class ContactReport(Card):
     def of_blocks(self, blocks: Ints) -> ContactReport:
         """The report of some of the blocks, numbered anew in their order."""
         new = places(blocks, len(self.names))
-        among = (new[self.block_a] >= 0) & (new[self.block_b] >= 0)
-        block_a, block_b = new[self.block_a[among]], new[self.block_b[among]]
+        found = self.interfaces
+        among = np.flatnonzero((new[found.block_a] >= 0) & (new[found.block_b] >= 0))
+        found = found.take(among)
+        found = replace(found, block_a=new[found.block_a], block_b=new[found.block_b])
 
         def between(pairs: tuple[Pair, ...]) -> tuple[Pair, ...]:
             return tuple(
@@ -198,15 +175,16 @@ class ContactReport(Card):
             numbers = [(int(new[a]), int(new[b])) for a, b in pairs]
             return tuple(pair for pair in numbers if min(pair) >= 0)
 
-        alone = np.setdiff1d(np.arange(len(blocks)), np.concatenate([block_a, block_b]))
-        own: dict[str, Any] = {name: getattr(self, name)[among] for name in _OF_INTERFACES}
-        own |= {name: between(getattr(self, name)) for name in ("farther", *_BETWEEN)}
+        touching = np.concatenate([found.block_a, found.block_b])
+        alone = np.setdiff1d(np.arange(len(blocks)), touching)
+        own: dict[str, Any] = {
+            name: between(getattr(self, name)) for name in ("farther", *_BETWEEN)
+        }
         own |= {name: both(getattr(self, name)) for name in _PAIRS}
         return replace(
             self,
             names=tuple(self.names[b] for b in blocks),
-            block_a=block_a,
-            block_b=block_b,
+            interfaces=found,
             isolated=tuple(alone.tolist()),
             parts=of_one(self.parts),
             repairs=of_one(self.repairs),
@@ -230,19 +208,22 @@ class ContactReport(Card):
 
     def summary(self) -> list[str]:
         """The report as lines of text."""
-        lines = [f"{counted(len(self.area), 'interface')} in {counted(self.pair_count, 'pair')}"]
-        kinds = Counter(self.kind.tolist())
+        lines = [
+            f"{counted(self.interfaces.count, 'interface')} in {counted(self.pair_count, 'pair')}"
+        ]
+        found = self.interfaces
+        kinds = Counter(found.kind.tolist())
         if kinds[2] or kinds[1]:
             lines[0] += f", {counted(kinds[2], 'line')} and {counted(kinds[1], 'point')} among them"
-        if len(self.gap):
+        if found.count:
             lines.append(
-                f"gaps {millimetres(self.gap.min())} to {millimetres(self.gap.max())} mm,"
-                f" warp up to {millimetres(self.warp.max())} mm,"
-                f" angles up to {round(float(self.angle.max()), 6):.3g} degrees"
+                f"gaps {millimetres(found.gap.min())} to {millimetres(found.gap.max())} mm,"
+                f" warp up to {millimetres(found.warp.max())} mm,"
+                f" angles up to {round(float(found.angle.max()), 6):.3g} degrees"
             )
-        if self.clipped.any():
+        if found.clipped.any():
             lines.append(
-                f"{counted(int(self.clipped.sum()), 'interface')} within tolerance on a part only"
+                f"{counted(int(found.clipped.sum()), 'interface')} within tolerance on a part only"
             )
         lines += resampled_lines(self.resampled)
         lines += inexact_lines(self.names, self.inexact)
@@ -329,18 +310,17 @@ class ContactReport(Card):
 
     def table(self) -> Table:
         """A row per interface: blocks, faces, size, gap, warp and angle."""
+        found = self.interfaces
         columns = {
-            "block_a": [self.names[a] for a in self.block_a],
-            "block_b": [self.names[b] for b in self.block_b],
-            "face_a": [_face(face) for face in self.face_a],
-            "face_b": [_face(face) for face in self.face_b],
-            "kind": [_KINDS[kind] for kind in self.kind.tolist()],
-            "area": self.area,
-            "gap": self.gap,
-            "warp": self.warp,
-            "angle": self.angle,
-            "clipped": self.clipped,
-            "merged": self.merged,
+            "block_a": [self.names[a] for a in found.block_a],
+            "block_b": [self.names[b] for b in found.block_b],
+            "face_a": [_face(face) for face in found.face_a],
+            "face_b": [_face(face) for face in found.face_b],
+            "kind": [_KINDS[kind] for kind in found.kind.tolist()],
+        }
+        columns |= {
+            name: getattr(found, name)
+            for name in ("area", "gap", "warp", "angle", "clipped", "merged")
         }
         return Table("interfaces", columns, {"area": "m2", "gap": "m", "warp": "m", "angle": "deg"})
 

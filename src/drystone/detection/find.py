@@ -183,17 +183,7 @@ def _report(
     return ContactReport(
         names=assembly.names,
         options=options,
-        block_a=found.block_a,
-        block_b=found.block_b,
-        face_a=found.face_a,
-        face_b=found.face_b,
-        kind=np.minimum(np.diff(found.start), 3),
-        area=found.area,
-        gap=found.gap,
-        warp=found.warp,
-        angle=found.angle,
-        clipped=found.clipped,
-        merged=found.merged,
+        interfaces=found,
         resampled=fewer,
         missed=tuple(parted[False]),
         farther=tuple(parted[True]),
@@ -384,4 +374,4 @@ def gap_sweep(
 
 def _counts(assembly: Assembly, options: DetectionOptions, gap: float) -> tuple[int, int, int]:
     report = find_contacts(assembly, options=replace(options, gap=gap, inexact=False)).report
-    return len(report.area), report.pair_count, len(report.isolated)
+    return report.interfaces.count, report.pair_count, len(report.isolated)

@@ -22,16 +22,22 @@ class Interfaces:
     Attributes
     ----------
     block_a, block_b, face_a, face_b : (m,)
-        Blocks (a < b) and the numbers of their faces.
+        Blocks (a < b) and the numbers of their (first) faces; -1 where the block touches with an
+        edge or a corner.
     frame : (m, 3, 3) rows n, u, v; n from a to b
     point : (k, 3) [m]
     start : (m + 1,) corners of each
     area : (m,) [m2]
     gap : (m,) [m]
+        Distance of the faces at the middle of the interface, negative where they overlap.
     warp : (m,) [m]
+        Largest distance of a corner from the plane of its face, for both faces.
     angle : (m,) [deg]
+        Between the two faces.
     clipped : (m,) bool
-    merged : (m,) number of pieces
+        Whether the faces are within tolerance on only a part of their common area.
+    merged : (m,)
+        Number of facets that the interface stands for.
     size : (m,) [m], of the smaller block
     """
 
@@ -54,6 +60,11 @@ class Interfaces:
     def count(self) -> int:
         """Number of interfaces, m."""
         return len(self.area)
+
+    @property
+    def kind(self) -> Ints:
+        """(m,) 3 for an area, 2 for a line, 1 for a point."""
+        return np.minimum(np.diff(self.start), 3)
 
     def flat(self) -> Floats:
         """Corners (k, 2) in (u, v) about the first corner of their interface."""

@@ -12,7 +12,6 @@ Source of the format: MuJoCo documentation, XML reference.
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
-from dataclasses import dataclass, field
 from functools import cached_property, partial
 from pathlib import Path
 from xml.sax.saxutils import quoteattr
@@ -156,38 +155,13 @@ def read(data: bytes, path: Path) -> Draft:
     return _Reader(root_of(data, path, "mujoco", "MJCF"), path).draft()
 
 
-@dataclass
-class _Rigid:
-    """What moves as one: a body, and those that are joined to it."""
-
-    name: str
-    where: str
-    fixed: bool
-    parts: list[Part] = field(default_factory=list)
-    planes: list[Floats] = field(default_factory=list)
-    friction: list[float] = field(default_factory=list)
-    mass: float = 0.0
-
-    def body(self) -> PlacedBody:
-        mass, friction = self.mass or None, min(self.friction, default=None)
-        return PlacedBody(
-            self.name,
-            tuple(self.parts),
-            self.fixed,
-            self.where,
-            mass,
-            friction=friction,
-            planes=tuple(self.planes),
-        )
-
-
 class _Reader:
     """A scene on its way to a draft."""
 
     def __init__(self, root: ET.Element, path: Path) -> None:
         self.root, self.path = root, path
         self.compiler = {k: v for one in root.iter("compiler") for k, v in one.attrib.items()}
-        self.found: list[_Rigid] = []
+        self.found: list[PlacedBody] = []
         self.beside = MeshesBeside(path)
         self.classes: dict[str, dict[str, dict[str, str]]] = {"main": {}}
         for one in root.findall("default"):
@@ -201,9 +175,8 @@ class _Reader:
         for world in self.root.findall("worldbody"):
             self._inside(world, np.eye(4), None, "main", weighed=False)
         self._weld()
-        bodies = [one.body() for one in self.found]
-        shapes, notes = shapes_of_bodies(bodies, self.path)
-        if len({body.friction for body in bodies} - {None}) > 1:
+        shapes, notes = shapes_of_bodies(self.found, self.path)
+        if len({min(body.friction) for body in self.found if body.friction}) > 1:
             notes.append("of two bodies MuJoCo takes the larger friction, a joint here the smaller")
         notes += [f"'{tag}' is not read" for tag in _UNREAD if self.root.find(tag) is not None]
         load, said = self._gravity()
@@ -239,7 +212,7 @@ class _Reader:
         return self.classes[chosen].get(element.tag, {}) | element.attrib
 
     def _inside(
-        self, element: ET.Element, pose: Floats, of: _Rigid | None, name: str, *, weighed: bool
+        self, element: ET.Element, pose: Floats, of: PlacedBody | None, name: str, *, weighed: bool
     ) -> None:
         """Everything in a body, a frame or the world.
 
@@ -271,15 +244,15 @@ class _Reader:
                 held = of
                 if held is None:
                     usual = "ground" if told.get("type") == "plane" else f"geom-{len(self.found)}"
-                    held = _Rigid(told.get("name", usual), where, True)
+                    held = PlacedBody(told.get("name", usual), True, where)
                     self.found.append(held)
                 self._geom(told, pose @ self._pose(told, where), held, where, weighed)
 
-    def _body(self, body: ET.Element, of: _Rigid | None, where: str, name: str) -> _Rigid:
+    def _body(self, body: ET.Element, of: PlacedBody | None, where: str, name: str) -> PlacedBody:
         """What a body moves with, its mass added: itself, or the body that it is joined to."""
         own, free = of, self._is_free(body, where, name)
         if own is None or own.fixed or free:
-            own = _Rigid(body.get("name", f"body-{len(self.found)}"), where, not free)
+            own = PlacedBody(body.get("name", f"body-{len(self.found)}"), not free, where)
             self.found.append(own)
         inertial = body.find("inertial")
         if inertial is not None:
@@ -299,7 +272,7 @@ class _Reader:
         return bool(kinds)
 
     def _geom(
-        self, told: dict[str, str], at: Floats, of: _Rigid, where: str, weighed: bool
+        self, told: dict[str, str], at: Floats, of: PlacedBody, where: str, weighed: bool
     ) -> None:
         kind = told.get("type", "sphere")
         of.friction.append(number_of(told, "friction", _FRICTION, where))

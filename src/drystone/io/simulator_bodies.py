@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TypeAlias
 
@@ -68,36 +68,36 @@ _MARGIN = 0.25
 """Of the extent of the scene: how far the ground reaches beyond it, and how thick it is. Chosen."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class PlacedBody:
-    """A rigid body of a scene.
+    """What moves as one in a scene; readers gather it: a body, and those that are joined to it.
 
     Attributes
     ----------
     name
-    parts
-        In the frame of the scene [m].
     fixed
         Whether it is joined to the world.
     where
         Place in the file, for errors.
+    parts
+        In the frame of the scene [m].
     mass : [kg]
-        ``None`` where the file has none; then ``density`` holds.
+        Zero where the file has none; then ``density`` holds.
     density : [kg/m3]
     friction
-        Coefficient, ``None`` where the file has none.
+        Coefficients, of which the least counts; none where the file has none.
     planes
         Poses (4, 4) of planes, in their xy plane: each is a slab of ground below all bodies.
     """
 
     name: str
-    parts: tuple[Part, ...]
     fixed: bool
     where: str
-    mass: float | None = None
+    parts: list[Part] = field(default_factory=list)
+    mass: float = 0.0
     density: float = DEFAULT_DENSITY
-    friction: float | None = None
-    planes: tuple[Floats, ...] = ()
+    friction: list[float] = field(default_factory=list)
+    planes: list[Floats] = field(default_factory=list)
 
 
 def shapes_of_bodies(
@@ -116,7 +116,7 @@ def shapes_of_bodies(
     for body in bodies:
         for pose in body.planes:
             slab = _ground_under(solid, pose)
-            solid.append(replace(body, parts=(slab,), fixed=True, mass=None, planes=()))
+            solid.append(replace(body, parts=[slab], fixed=True, mass=0.0, planes=[]))
     shapes, renamed = named_apart([_shape(body, path) for body in solid])
     return shapes, [*notes, *renamed]
 
@@ -171,10 +171,10 @@ def _together(shapes: Sequence[DraftBlock]) -> DraftBlock:
 
 def _with_material(shape: DraftBlock, body: PlacedBody) -> DraftBlock:
     density = body.density
-    if body.mass is not None:
+    if body.mass:
         volume = volume_of(np.asarray(shape.vertices), [tuple(face) for face in shape.faces])
         density = body.mass / volume if volume > 0.0 else density
-    told = {} if body.friction is None else {"friction": body.friction}
+    told = {} if not body.friction else {"friction": min(body.friction)}
     return replace(shape, density=density, fixed=body.fixed, metadata=told)
 
 

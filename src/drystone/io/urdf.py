@@ -148,11 +148,10 @@ def _bodies(links: dict[str, ET.Element], joints: _Joints, path: Path) -> Iterab
         pose, holder = _placed(name, joints, where)
         fixed = holder not in joints and (holder == _WORLD or not _shapes(links[holder]))
         group = name if fixed else holder
-        parts, mass = _solids(link, pose, beside, where), _mass(link, where)
-        if group in bodies:
-            parts = [*bodies[group].parts, *parts]
-            mass += bodies[group].mass or 0.0
-        bodies[group] = PlacedBody(group, tuple(parts), fixed, where, mass or None)
+        body = bodies.setdefault(group, PlacedBody(group, fixed, where))
+        body.fixed, body.where = fixed, where
+        body.parts += _solids(link, pose, beside, where)
+        body.mass += _mass(link, where)
     return bodies.values()
 
 

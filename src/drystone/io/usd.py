@@ -15,7 +15,6 @@ from pathlib import Path
 
 import numpy as np
 
-from drystone.assembly import DEFAULT_DENSITY
 from drystone.base.arrays import FARTHEST, Floats
 from drystone.base.errors import FormatError, require
 from drystone.io.draft import Draft
@@ -106,7 +105,8 @@ def _refuse_packed(data: bytes, path: Path) -> None:
 def _body(one: Field, world: Floats, moves: bool, path: Path) -> PlacedBody:
     """A body with its planes."""
     where = f"{path}, prim '{one['path'].text()}'"
-    parts, planes = [], []
+    fixed = moves and not one["free"].boolean()
+    body = PlacedBody(one["name"].text(), fixed, where, mass=max(one["mass"].number(), 0.0))
     for part in one["parts"].elements():
         matrix = world @ part["matrix"].floats(4, 4).T
         if part["kind"].text() == "Plane":
@@ -120,21 +120,13 @@ def _body(one: Field, world: Floats, moves: bool, path: Path) -> PlacedBody:
                 )
             pose[:3, :3] /= size  # squares of a tiny size would be zero
             pose[:3, :3] /= np.linalg.norm(pose[:3, :3], axis=0)
-            planes.append(pose)
+            body.planes.append(pose)
         else:
-            parts.append(placed(_part(part, where), matrix))
-    mass, density = one["mass"].number(), one["density"].number()
-    friction = [each.number() for each in one["friction"].elements()]
-    return PlacedBody(
-        one["name"].text(),
-        tuple(parts),
-        moves and not one["free"].boolean(),
-        where,
-        mass if mass > 0.0 else None,
-        density if density > 0.0 else DEFAULT_DENSITY,
-        min(friction, default=None),
-        tuple(planes),
-    )
+            body.parts.append(placed(_part(part, where), matrix))
+    if (density := one["density"].number()) > 0.0:
+        body.density = density
+    body.friction += [each.number() for each in one["friction"].elements()]
+    return body
 
 
 def _part(part: Field, where: str) -> Part:

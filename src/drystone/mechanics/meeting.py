@@ -84,7 +84,7 @@ def _facing(assembly: Assembly, reach: float) -> Apart:
     found = find_contacts(assembly, options=options)
     sides = FaceSides(assembly)
     most = SAME * np.minimum(sides.size[found.contacts.block_a], sides.size[found.contacts.block_b])
-    near = np.abs(found.report.gap) > most
+    near = np.abs(found.report.interfaces.gap) > most
     contacts = found.contacts.select(near)
     a, b = contacts.block_a, contacts.block_b
     gap = np.stack(

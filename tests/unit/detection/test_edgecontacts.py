@@ -32,7 +32,7 @@ def test_cube_on_its_edge_touches_along_a_line(angle: float) -> None:
     assert contacts.area.tolist() == [0.0]
     np.testing.assert_allclose(contacts.frame[0, 0], [0.0, 0.0, 1.0], atol=1e-12)
     np.testing.assert_allclose(np.sort(contacts.point[:, 0]), [-0.5, 0.5], atol=1e-12)
-    assert report.kind.tolist() == [2]
+    assert report.interfaces.kind.tolist() == [2]
     assert report.isolated == ()
     assert "1 line" in report.summary()[0]
 
@@ -101,7 +101,8 @@ def test_on_request_blocks_that_touch_others_get_edge_contacts_too() -> None:
     on_slab = box((0.5, 0.5, 0.5), (-2.0, -2.0, 0.0), "other")
     tall = Assembly((SLAB, on_slab, box((1.0, 1.0, 0.5), (-2.0, 0.0, -1.0), "below"), leaning))
     found = find_contacts(tall, options=DetectionOptions(edges=EdgeContacts.ALWAYS)).report
-    assert (0, 3) in set(zip(found.block_a.tolist(), found.block_b.tolist(), strict=True))
+    joined = found.interfaces.block_a.tolist(), found.interfaces.block_b.tolist()
+    assert (0, 3) in set(zip(*joined, strict=True))
 
 
 def test_on_request_face_contacts_stay_as_they_are() -> None:

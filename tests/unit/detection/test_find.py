@@ -124,7 +124,7 @@ def test_blocks_ten_thousand_times_smaller_are_found() -> None:
     edge = 4e-4
     crumbs = [box((edge, edge, edge), (3 * edge * i, 0.0, 0.0), f"crumb-{i}") for i in range(5)]
     report = find_contacts(Assembly((SLAB, *crumbs))).report
-    assert report.area == pytest.approx([edge**2] * 5)
+    assert report.interfaces.area == pytest.approx([edge**2] * 5)
     assert report.isolated == ()
 
 
@@ -276,8 +276,8 @@ def test_interface_lies_halfway_across_the_gap() -> None:
 def test_faces_within_tolerance_on_a_part_touch_there_only() -> None:
     leaning = box((1.0, 1.0, 1.0)).transformed(rotation_about([0.0, 1.0, 0.0], -1.0))
     report = find_contacts(Assembly((SLAB, leaning))).report
-    assert report.area == pytest.approx([0.005 / np.tan(np.deg2rad(1.0))], rel=1e-3)
-    assert report.clipped.tolist() == [True]
+    assert report.interfaces.area == pytest.approx([0.005 / np.tan(np.deg2rad(1.0))], rel=1e-3)
+    assert report.interfaces.clipped.tolist() == [True]
 
 
 def test_angle_beyond_tolerance_is_no_face_contact() -> None:
@@ -286,11 +286,11 @@ def test_angle_beyond_tolerance_is_no_face_contact() -> None:
     )
     options = DetectionOptions(edges="never")  # type: ignore[arg-type]
     report = find_contacts(Assembly((SLAB, leaning)), options=options).report
-    assert len(report.area) == 0
+    assert len(report.interfaces.area) == 0
     assert [miss.reason for miss in report.missed] == [Reason.ANGLE]
     assert report.missed[0].needed == pytest.approx(3.0)
     raised = DetectionOptions(angle=3.1)
-    assert len(find_contacts(Assembly((SLAB, leaning)), options=raised).report.area) == 1
+    assert len(find_contacts(Assembly((SLAB, leaning)), options=raised).report.interfaces.area) == 1
 
 
 def test_warped_faces_are_granted_their_warp() -> None:
@@ -300,8 +300,8 @@ def test_warped_faces_are_granted_their_warp() -> None:
     vertices[lower.name][[5, 7], 2] += 0.03
     bent = Assembly((Block(vertices[lower.name], lower.faces, "lower"), upper))
     report = find_contacts(bent).report
-    assert report.area == pytest.approx([1.0], rel=1e-3)
-    assert report.warp == pytest.approx([0.03], rel=0.01)
+    assert report.interfaces.area == pytest.approx([1.0], rel=1e-3)
+    assert report.interfaces.warp == pytest.approx([0.03], rel=0.01)
     flat = DetectionOptions(warp=0.01)
     refused = find_contacts(bent, options=flat).report
     assert [miss.reason for miss in refused.missed] == [Reason.WARP]
@@ -323,14 +323,14 @@ def test_slivers_are_dropped_with_a_reason() -> None:
     beside = box((1.0, 1.0, 1.0), (2.0 - 5e-5, 0.0, 0.0), "beside")
     report = find_contacts(Assembly((SLAB, beside))).report
     assert Reason.SLIVER in {miss.reason for miss in report.missed}
-    assert report.area.sum() == 0.0
+    assert report.interfaces.area.sum() == 0.0
 
 
 def test_blocks_that_meet_along_an_edge_share_no_area() -> None:
     report = find_contacts(
         Assembly((box((1, 1, 1), name="a"), box((1, 1, 1), (1, 0, 1), "b")))
     ).report
-    assert len(report.area) == 0
+    assert len(report.interfaces.area) == 0
     assert report.isolated == (0, 1)
     assert report.undirected == ((0, 1),)
 

@@ -52,8 +52,10 @@ def mixed(base: int, cradle: int, roller: int) -> Assembly:
 def test_differently_meshed_sides_keep_their_area(strips: tuple[int, int, int]) -> None:
     report = find_contacts(mixed(*strips)).report
     for joint, area in ((1, 1.2130), (2, 1.2469)):
-        assert report.area[report.block_b == joint].sum() == pytest.approx(area, rel=0.02)
-    assert report.area.sum() == pytest.approx(AREA, rel=0.02)
+        assert report.interfaces.area[report.interfaces.block_b == joint].sum() == pytest.approx(
+            area, rel=0.02
+        )
+    assert report.interfaces.area.sum() == pytest.approx(AREA, rel=0.02)
     assert report.overlaps == ()
 
 
@@ -64,7 +66,7 @@ def test_differently_meshed_rims_keep_their_area() -> None:
 
 def test_slivers_go_into_their_neighbours() -> None:
     found = find_contacts(mixed(20, 21, 20))
-    contacts, merged = found.contacts, found.report.merged
+    contacts, merged = found.contacts, found.report.interfaces.merged
     assert merged.max() > 1
     assert contacts.area.sum() == pytest.approx(AREA, rel=2e-3)
     assert contacts.area.min() > 0.1 * np.median(contacts.area)
@@ -74,7 +76,7 @@ def test_joints_of_exact_models_keep_their_faces() -> None:
     for model in (concave(), cube_curve(), tower(3)):
         found = find_contacts(model)
         assert found.report.resampled == ()
-        assert found.report.merged.tolist() == [1] * found.contacts.count
+        assert found.report.interfaces.merged.tolist() == [1] * found.contacts.count
 
 
 def test_vault_of_small_facets_has_as_many_pieces_as_its_curvature_needs() -> None:

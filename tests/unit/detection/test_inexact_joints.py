@@ -206,7 +206,7 @@ def test_an_edge_that_is_a_little_in_the_floor_touches_along_it() -> None:
     low = float(turned.vertices[:, 2].min())
     sunk = turned.transformed(translation=(0.0, 0.0, -low - 0.004))
     found = find_contacts(Assembly((FLOOR, sunk)))
-    assert found.report.kind.tolist() == [2]
+    assert found.report.interfaces.kind.tolist() == [2]
     assert found.report.inexact[0].off == pytest.approx(0.004)
 
 
@@ -233,7 +233,7 @@ def test_an_opened_joint_of_an_exact_drawing_stays_open() -> None:
     blocks[-1] = top.transformed(translation=(0.0, 0.0, 3.0 - low))
     found = find_contacts(Assembly(tuple(blocks)))
     assert not found.report.inexact
-    assert found.report.clipped.tolist() == [False, False, True]
+    assert found.report.interfaces.clipped.tolist() == [False, False, True]
     assert check(Assembly(tuple(blocks)).with_fixed([0])).verdict is not Verdict.UNSTABLE
 
 

@@ -38,9 +38,9 @@ def test_a_strongly_twisted_bed_is_a_fan_wherever_its_loop_begins(first: int) ->
     model = Model.of(twisted(0.3, first))
     assert model.contacts.count == 4
     assert model.report is not None
-    assert np.abs(model.report.gap).max() < 1e-12
-    assert model.report.face_a.tolist() == [1] * 4
-    assert model.report.face_b.tolist() == [0] * 4
+    assert np.abs(model.report.interfaces.gap).max() < 1e-12
+    assert model.report.interfaces.face_a.tolist() == [1] * 4
+    assert model.report.interfaces.face_b.tolist() == [0] * 4
     (told,) = model.report.inexact
     assert (told.error, told.off) == (Error.WARP, pytest.approx(0.15))
     assert "a joint 150 mm from plane, taken as a fan of triangles" in model.notes[0]
