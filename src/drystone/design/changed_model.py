@@ -8,13 +8,13 @@ from dataclasses import replace
 import numpy as np
 
 from drystone.assembly import Assembly, Block
-from drystone.base.arrays import Bools, Floats, Ints, cross, marked, places
+from drystone.base.arrays import Bools, Floats, Ints, marked, places
 from drystone.base.errors import InputError
 from drystone.contacts import Contacts, joined_contacts
 from drystone.detection import find_contacts, find_overlaps
 from drystone.joint_capacity import DRY, NO_LIMIT, JointCapacity
 from drystone.loads import LoadCase
-from drystone.loads.placing import filled
+from drystone.loads.placing import filled, moved_points, moved_wrench
 from drystone.model import Model
 
 
@@ -86,7 +86,7 @@ def changed(
     return Model(
         assembly,
         joined_contacts(unchanged, contacts),
-        _carried_load(model, assembly, kept),
+        carried_load(model, assembly, kept),
         notes=model.notes,
         ends=model.ends,
     )
@@ -216,7 +216,7 @@ def _usual_strength(capacity: JointCapacity, area: Floats) -> float:
     return float(np.median(stress)) if (capacity.compression < NO_LIMIT).any() else NO_LIMIT
 
 
-def _carried_load(model: Model, assembly: Assembly, kept: Ints) -> LoadCase:
+def carried_load(model: Model, assembly: Assembly, kept: Ints) -> LoadCase:
     """The load of a model on its changed blocks; loads other than weight keep their position.
 
     New volume has the acceleration of most blocks.
@@ -232,20 +232,17 @@ def _carried_load(model: Model, assembly: Assembly, kept: Ints) -> LoadCase:
     model.require_still()
     acceleration = acceleration_of(model)
     before = model.assembly
-    extra = model.load.wrench[kept, :3] - before.mass[kept, None] * acceleration
+    extra = model.load.wrench[kept].copy()
+    extra[:, :3] -= before.mass[kept, None] * acceleration
     shift = before.centroid[kept] - assembly.centroid[: len(kept)]
-    moment = model.load.wrench[kept, 3:] + cross(shift, extra)
-    wrench = filled(np.column_stack([extra, moment]), len(assembly))
+    wrench = filled(moved_wrench(extra, shift), len(assembly))
     wrench[:, :3] += assembly.mass[:, None] * acceleration
     masses = tuple(one.of_blocks(kept, len(assembly), shift) for one in model.load.masses)
     load = model.load.of_blocks(kept, len(assembly))
-    given = None if load.given is None else load.given.copy()
-    if given is not None:
-        given[: len(kept), 1:] += shift[:, :, None] * given[: len(kept), :1]
-    surface = load.surface
+    away, surface = filled(shift, len(assembly)), load.surface
+    given = None if load.given is None else moved_points(load.given, away)
     if surface is not None:
-        turned = filled(cross(shift, surface.wrench[: len(kept), :3]), len(assembly))
-        surface = replace(surface, wrench=surface.wrench + np.pad(turned, ((0, 0), (3, 0))))
+        surface = replace(surface, wrench=moved_wrench(surface.wrench, away))
     each = tuple(one.of_blocks(kept, len(before), shift) for one in model.load.each)
     return replace(load, wrench=wrench, masses=masses, given=given, surface=surface, each=each)
 

@@ -34,13 +34,13 @@ from drystone.design import (
     find_mends,
     recut_joints,
 )
-from drystone.design.changed_model import acceleration_of
+from drystone.design.changed_model import acceleration_of, carried_load
 from drystone.geometry.polyhedron import edges_of
 from drystone.io.jsontext import Field
 from drystone.limits import limit_tilt
 from drystone.live.moved_supports import FOLLOWED_KINDS, AfterMoving, after_moving, verdict_of
 from drystone.live.wish import Wish, WishedModel, asked
-from drystone.loads import DOWN, LoadCase
+from drystone.loads import DOWN
 from drystone.model import Model
 from drystone.sequence import Order, Plan, PlanOptions, Rules, Status, plan
 from drystone.view import scene_of
@@ -173,7 +173,9 @@ def _apply(work: Work) -> Iterator[Event]:
 def _made(work: Work, made: Model, what: str) -> dict[str, Any]:
     """A changed model of the wish, without its tilt and pushes, and the wish that is left."""
     base = work.model.without(work.wish.removed)
-    made = replace(made, load=_untilted(base, made), notes=(), report=None, cases=())
+    kept = base.assembly.indices([name for name in made.assembly.names if name in base.assembly])
+    load = carried_load(base, made.assembly, kept)
+    made = replace(made, load=load, notes=(), report=None, cases=())
     fixed = {made.assembly.names[i] for i in np.flatnonzero(made.assembly.fixed)}
     pushes = tuple(one for one in work.wish.pushes if one[0] in made.assembly)
     moves = tuple(one for one in work.wish.moves if one[0] in fixed)
@@ -207,22 +209,6 @@ def _recut(work: Work) -> Iterator[Event]:
         message, made = found.message, found.model if found.changes else None
     same = "unchanged", {"message": message}
     yield same if made is None else ("model", _made(work, made, message))
-
-
-def _untilted(base: Model, made: Model) -> LoadCase:
-    """The load of a model on its mended blocks: extra forces stay on blocks of the same name."""
-    acceleration = acceleration_of(base)
-    size = float(np.linalg.norm(acceleration))
-    total = LoadCase.gravity(made.assembly, size, acceleration if size > 0.0 else DOWN)
-    extra = base.load.wrench.copy()
-    extra[:, :3] -= base.assembly.mass[:, None] * acceleration
-    here = np.array([name in made.assembly for name in base.assembly.names])
-    wrench = np.zeros((len(made), 6))
-    at = made.assembly.indices([n for n, k in zip(base.assembly.names, here, strict=True) if k])
-    shift = base.assembly.centroid[here] - made.assembly.centroid[at]
-    wrench[at] = extra[here]
-    wrench[at, 3:] += np.cross(shift, extra[here, :3])
-    return replace(total, wrench=total.wrench + wrench, name=base.load.name)
 
 
 def _plan(work: Work) -> Iterator[Event]:

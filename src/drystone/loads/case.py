@@ -25,6 +25,7 @@ from drystone.loads.placing import (
     off_block,
     surface_forces,
     turned_points,
+    turned_wrench,
     wrench_at,
     wrench_of_masses,
     wrench_of_points,
@@ -360,7 +361,7 @@ class LoadCase(OneLine):
         forces act where they are then.
         """
         masses = tuple(one.turned(rotation) for one in self.masses)
-        wrench = (self.beside_masses.wrench.reshape(-1, 2, 3) @ rotation).reshape(-1, 6)
+        wrench = turned_wrench(self.beside_masses.wrench, rotation)
         return replace(
             self,
             wrench=sum((one.wrench for one in masses), wrench),

@@ -84,6 +84,22 @@ def turned_points(given: Floats, rotation: Floats) -> Floats:
     return np.concatenate([given[:, :1], turned], axis=1)
 
 
+def moved_points(given: Floats, shift: Floats) -> Floats:
+    """Of forces at points, about centroids that were a ``shift`` (n, 3) [m] away."""
+    arms = given[:, 1:] + shift[:, :, None] * given[:, :1]
+    return np.concatenate([given[:, :1], arms], axis=1)
+
+
+def moved_wrench(wrench: Floats, shift: Floats) -> Floats:
+    """Wrenches (n, 6) about centroids that were a ``shift`` (n, 3) [m] away."""
+    return np.column_stack([wrench[:, :3], wrench[:, 3:] + np.cross(shift, wrench[:, :3])])
+
+
+def turned_wrench(wrench: Floats, rotation: Floats) -> Floats:
+    """Wrenches (n, 6) in the axes of a model that was turned by a matrix (3, 3)."""
+    return (wrench.reshape(-1, 2, 3) @ rotation).reshape(-1, 6)
+
+
 def wrench_of_points(given: Floats) -> Floats:
     """Wrenches (n, 6) of forces at points."""
     return np.column_stack([given[:, 0], torques(given[:, 1:])])
@@ -172,9 +188,8 @@ class GivenLoad(OneLine):
 
     def turned(self, rotation: Floats) -> GivenLoad:
         """The same in the axes of a model that was turned by a matrix (3, 3)."""
-        wrench = (self.wrench.reshape(-1, 2, 3) @ rotation).reshape(-1, 6)
         given = turned_points(self.given, rotation) @ rotation
-        return replace(self, wrench=wrench, given=given)
+        return replace(self, wrench=turned_wrench(self.wrench, rotation), given=given)
 
     def of_blocks(self, chosen: Ints, count: int, shift: Floats | None = None) -> GivenLoad:
         """That of some blocks of ``count``; their centroids were a ``shift`` (c, 3) [m] away."""
@@ -182,10 +197,7 @@ class GivenLoad(OneLine):
         kept = position >= 0
         block, wrench, given = position[kept], self.wrench[kept], self.given[kept]
         if shift is not None:
-            moment = wrench[:, 3:] + np.cross(shift[block], wrench[:, :3])
-            wrench = np.column_stack([wrench[:, :3], moment])
-            arms = given[:, 1:] + shift[block][:, :, None] * given[:, :1]
-            given = np.concatenate([given[:, :1], arms], axis=1)
+            wrench, given = moved_wrench(wrench, shift[block]), moved_points(given, shift[block])
         return GivenLoad(self.words, block, wrench, given)
 
 
@@ -273,7 +285,7 @@ class SurfaceLoad(OneLine):
 
     def turned(self, rotation: Floats) -> SurfaceLoad:
         """In the axes of a model that was turned by a matrix (3, 3)."""
-        wrench = (self.wrench.reshape(-1, 2, 3) @ rotation).reshape(-1, 6)
+        wrench = turned_wrench(self.wrench, rotation)
         return replace(self, traction=self.traction @ rotation, wrench=wrench)
 
     def of_blocks(self, chosen: Ints, count: int) -> SurfaceLoad:

@@ -21,7 +21,7 @@ from drystone.checks import Residuals, block_speed, check_forces
 from drystone.contacts import Contacts
 from drystone.geometry.frames import rotation_about, rotations
 from drystone.loads.applied import arms_of_loads
-from drystone.loads.placing import turned_points
+from drystone.loads.placing import turned_points, turned_wrench
 from drystone.mechanics.bodies import Bodies, turned_load
 from drystone.mechanics.corners import Carrier
 from drystone.model import Model
@@ -93,7 +93,7 @@ def earlier_loads(bodies: Bodies, loading: Loading) -> list[Bodies]:
     made = []
     for share in shares:
         turn = rotation_about(axis, (share - 1.0) * angle)
-        load = (bodies.load.reshape(-1, 2, 3) @ turn.T).reshape(-1, 6)
+        load = turned_wrench(bodies.load, turn.T)
         made.append(replace(bodies, load=load, arms=turn @ bodies.arms @ turn.T))
     return made
 
