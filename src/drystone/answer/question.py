@@ -13,7 +13,7 @@ import numpy as np
 from drystone.assembly import Assembly
 from drystone.base import units
 from drystone.base.arrays import Floats, frozen
-from drystone.base.display import OneLine, differing, named, shortened
+from drystone.base.display import FEW_NAMES, OneLine, differing, named, shortened
 from drystone.base.errors import counted
 from drystone.base.version import commit, version
 from drystone.contacts import Contacts
@@ -28,8 +28,6 @@ from drystone.ties import strengths, ties_told
 
 UP = frozen(np.array(VERTICAL))
 """The vertical axis of a picture, unless gravity is turned."""
-_NAMED = 3
-"""Supports named in a line; of more the first ones are, and all are counted."""
 
 
 @dataclass(frozen=True)
@@ -342,8 +340,10 @@ def _pairs(given: Mapping[str, str]) -> str:
 def _supports(fixed: tuple[str, ...]) -> str:
     if not fixed:
         return "none"
-    if len(fixed) > _NAMED:
-        return f"{len(fixed):,} blocks: {', '.join(shortened(one) for one in fixed[:_NAMED])}, ..."
+    if len(fixed) > FEW_NAMES:
+        return (
+            f"{len(fixed):,} blocks: {', '.join(shortened(one) for one in fixed[:FEW_NAMES])}, ..."
+        )
     told = ", ".join(fixed)
     if any(name.isdecimal() for name in fixed):  # "0" alone would be a count
         return f"block {told}" if len(fixed) == 1 else f"blocks {told}"

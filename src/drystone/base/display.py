@@ -18,7 +18,7 @@ _LONGEST = 180
 """Largest number of characters of the line. Chosen: at most two lines on a wide terminal."""
 NAME = 60
 """Largest number of characters of a name in a sentence or a table. Chosen: half a line."""
-_NAMED = 3
+FEW_NAMES = 3
 """Names of equal things that are said; of more, how many there are."""
 
 
@@ -167,7 +167,7 @@ def name_text(name: str) -> str:
     return f"<bdi>{html.escape(shortened(name, NAME))}</bdi>"
 
 
-def named(names: Sequence[str], most: int = _NAMED) -> str:
+def named(names: Sequence[str], most: int = FEW_NAMES) -> str:
     """The names, or the first ones and how many more there are, where all are too long.
 
     Examples
@@ -185,7 +185,9 @@ def named(names: Sequence[str], most: int = _NAMED) -> str:
     )
 
 
-def first_of(lines: Sequence[str], more: str = "more like this", most: int = _NAMED) -> list[str]:
+def first_of(
+    lines: Sequence[str], more: str = "more like this", most: int = FEW_NAMES
+) -> list[str]:
     """The first of several lines of one kind, and how many more there are."""
     rest = len(lines) - most
     return [*lines[:most], *([f"and {rest} {more}"] if rest > 0 else [])]

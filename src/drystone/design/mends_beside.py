@@ -22,7 +22,7 @@ from drystone.design.margin import SMALL_REGION, DesignMargin, quick_check
 from drystone.design.needs import KnownNeeds, props_of
 from drystone.design.props import PropSeat, carries, find_props, struts
 from drystone.design.search import least
-from drystone.design.words import force_words, listed, names_of, place
+from drystone.design.words import NAMED, force_words, listed, names_of, place
 from drystone.loads import LoadCase
 from drystone.model import Model
 from drystone.sequence.scaffold_seats import in_the_open
@@ -79,10 +79,6 @@ def prop(asked: KnownNeeds) -> Proposals:
         yield Tries([change], why, last=True, told=told)
 
 
-_TOLD = 4
-"""Props of a mend that are told. Chosen: 26 filled a screen and covered the picture."""
-
-
 def _prop_words(bench: Bench, seats: Sequence[PropSeat], forces: Floats, points: Floats) -> str:
     """Props with their forces [N] and places [m] as text; equal forces are told once.
 
@@ -95,9 +91,9 @@ def _prop_words(bench: Bench, seats: Sequence[PropSeat], forces: Floats, points:
     if len(seats) > 1 and len(set(each)) == 1:
         return f"{len(seats)} props: each of {each[0]}, {', '.join(where)}"
     told = [f"{force} {at}" for force, at in zip(each, where, strict=True)]
-    if len(told) > _TOLD:
+    if len(told) > NAMED:  # 26 filled a screen and covered the picture
         order = np.argsort(-lengths(forces), kind="stable")
-        told = [told[i] for i in order[: _TOLD - 1]]
+        told = [told[i] for i in order[: NAMED - 1]]
         told.append(f"and {len(seats) - len(told)} with less")
     some = ", ".join(told)
     if len(seats) > 1:

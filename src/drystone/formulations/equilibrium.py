@@ -33,7 +33,7 @@ from drystone.formulations.corner_forces import (
     add_contact_rows,
     add_corner_forces,
 )
-from drystone.mechanics.statics import UNLIMITED, Statics
+from drystone.mechanics.statics import Statics
 from drystone.solvers.program import (
     ConicOptions,
     ConicProgram,
@@ -478,7 +478,7 @@ class PlaneFactors(LoadFactors):
     ) -> LoadFactors:
         """Those of a problem: in the plane where it is plane, else of the whole."""
         whole = LoadFactors(statics, cone, reserve)
-        if cone.sides or cone.local is not None or _beyond_friction(statics):
+        if cone.sides or cone.local is not None or not replace(statics, crushing=None).dry:
             return whole
         spread, pair = _pairs(statics)
         faces = _faces(statics, pair)
@@ -527,10 +527,6 @@ class PlaneFactors(LoadFactors):
         multiplier = np.zeros(self._statics.load.shape)
         multiplier[:, _PLANE] = raw.z[program.rows["equilibrium"]].reshape(-1, 3)
         return EquilibriumSolution(force, np.zeros(len(force)), multiplier, raw)
-
-
-def _beyond_friction(statics: Statics) -> bool:
-    return bool((statics.tension + statics.cohesion).any() or (statics.shear < UNLIMITED).any())
 
 
 def _rows(matrix: Any) -> Ints:

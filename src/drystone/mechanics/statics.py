@@ -221,8 +221,7 @@ class Statics:
 
         None where no block feels less than _LIGHT, or so much more than its load.
         """
-        load = lengths(self.load[:, :3]) + lengths(self.load[:, 3:])
-        block = np.append(load + self.on_blocks(lengths(force)), np.inf)
+        block = np.append(self.load_size + self.on_blocks(lengths(force)), np.inf)
         felt = np.minimum(block[self.block_a], block[self.block_b])
         if not ((felt < _LIGHT) | (self.corner_load < _LIGHT * felt)).any():
             return None
