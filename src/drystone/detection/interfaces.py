@@ -7,14 +7,16 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from drystone.base.arrays import Bools, Floats, Ints, dot
+from drystone.base.display import OneLine
+from drystone.base.errors import counted
 from drystone.base.ragged import Ragged, expand
 from drystone.contacts import Contacts, check_friction
 from drystone.detection.patches import Patches
 from drystone.detection.planes import Pieces, Planes, gaps
 
 
-@dataclass(frozen=True)
-class Interfaces:
+@dataclass(frozen=True, eq=False)
+class Interfaces(OneLine):
     """Polygons, lines and points between blocks.
 
     Letters: m interfaces, k corners.
@@ -55,6 +57,9 @@ class Interfaces:
     clipped: Bools
     merged: Ints
     size: Floats
+
+    def _summary(self) -> str:
+        return counted(self.count, "interface")
 
     @property
     def count(self) -> int:
