@@ -12,7 +12,6 @@ from functools import cached_property
 
 import numpy as np
 from scipy import sparse
-from scipy.spatial import cKDTree
 
 from drystone.assembly import Assembly, Block, replace_block
 from drystone.base.arrays import SAME, Bools, Floats, Ints, cross, dot, marked
@@ -157,6 +156,8 @@ def flattened(vertex: Floats, along: str | None) -> Floats:
 
 def places_of(point: Floats, near: float) -> Ints:
     """A number (v,) for each place: points that are nearer than this have the same."""
+    from scipy.spatial import cKDTree  # slow to import
+
     pairs = cKDTree(point).query_pairs(near, output_type="ndarray")
     return linked(pairs[:, 0], pairs[:, 1], len(point))
 
@@ -190,6 +191,8 @@ def is_prism(block: Block, along: str) -> bool:
 
 def _images(place: Floats, turn: Floats, near: float) -> Ints:
     """The image (s, g) of each place in each symmetry, about the mean of all places."""
+    from scipy.spatial import cKDTree  # slow to import
+
     centred = place - place.mean(axis=0)
     found = []
     for one in turn:

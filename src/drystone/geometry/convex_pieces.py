@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import manifold3d
 import numpy as np
-from scipy.spatial import ConvexHull, HalfspaceIntersection, QhullError
 
 from drystone.base.arrays import SAME, Floats, Ints, unit
 from drystone.base.ragged import Ragged
@@ -43,12 +42,16 @@ class ConvexPiece:
     @classmethod
     def around(cls, point: Floats) -> ConvexPiece:
         """The convex hull of some points (p, 3) [m] that do not lie in one plane."""
+        from scipy.spatial import ConvexHull  # slow to import
+
         hull = ConvexHull(point)
         plane = np.unique(np.round(hull.equations, 9), axis=0)
         return cls(point[hull.vertices], plane[:, :3], -plane[:, 3])
 
     def inset(self, depth: float) -> Floats | None:
         """Corners (p, 3) of the piece with all faces moved in by ``depth`` [m]; None if empty."""
+        from scipy.spatial import HalfspaceIntersection, QhullError  # slow to import
+
         middle = self.point.mean(axis=0)
         if (self.normal @ middle >= self.offset - depth).any():
             return None
@@ -197,6 +200,8 @@ def hull_of(point: Floats) -> tuple[Floats, Ints]:
     QhullError
         The points lie in one plane.
     """
+    from scipy.spatial import ConvexHull  # slow to import
+
     hull = ConvexHull(point)
     triangle = hull.simplices.astype(np.intp)
     normal, _ = _normals(point[triangle])

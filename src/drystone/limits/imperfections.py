@@ -8,7 +8,6 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
-from scipy.special import betaincinv
 
 from drystone.answer import Answer, Role, Scene, Sentence
 from drystone.answer.chart import Chart, MarkKind, Marks
@@ -225,6 +224,8 @@ class StandingShare(Answer):
 
 def share_interval(standing: int, made: int, confidence: float) -> tuple[float, float]:
     """Of a share, after Clopper and Pearson 1934: exact for any number of draws."""
+    from scipy.special import betaincinv  # slow to import
+
     if made == 0:
         return 0.0, 1.0
     fallen, beyond = made - standing, 0.5 * (1.0 - confidence)

@@ -34,7 +34,6 @@ from typing import Any, Unpack
 
 import numpy as np
 from scipy import sparse
-from scipy.optimize import nnls
 
 from drystone.answer import Answer, Role, Scene, Sentence
 from drystone.answer.drawing import bare_scene, seen
@@ -118,6 +117,8 @@ def free_twists(rows: Floats) -> FreeTwists:
     >>> free_twists(np.concatenate([both, -both, np.eye(6), -np.eye(6)])).blocked
     True
     """
+    from scipy.optimize import nnls  # slow to import
+
     size = rows.shape[1]
     units = np.concatenate([np.eye(size), -np.eye(size)])
     if not len(rows):
@@ -188,6 +189,8 @@ def freedom(normals: Floats, up: Floats, tolerance: float = TOLERANCE) -> Freedo
     >>> freedom(np.concatenate([np.eye(3), -np.eye(3)]), up).blocked
     True
     """
+    from scipy.optimize import nnls  # slow to import
+
     if not len(normals):
         axes = np.eye(3)
         return Freedom(np.concatenate([axes, -axes]), up)

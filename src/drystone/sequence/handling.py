@@ -14,7 +14,6 @@ from typing import Any, Unpack
 
 import numpy as np
 import shapely
-from scipy.spatial.transform import Rotation, Slerp
 
 from drystone.answer import Answer, Question, Role, Scene, Sentence, plain
 from drystone.assembly import Assembly, Block
@@ -439,6 +438,8 @@ def without_robot(plan: Plan, robots: Sequence[Robot]) -> list[str]:
 
 def _within(robot: Robot, path: RemovalPath, finder: PathFinder, here: Bools) -> RemovalPath:
     """A path of removal as far as the reach of a robot goes; blocks ``here`` (n,) are in place."""
+    from scipy.spatial.transform import Rotation, Slerp  # slow to import
+
     centroid = finder.model.assembly.centroid[path.block]
     places = np.array([pose.turn @ centroid + pose.shift for pose in path.poses])
     outside = np.flatnonzero(robot.distance(places) > robot.reach)

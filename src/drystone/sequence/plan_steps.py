@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from functools import cached_property, partial
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
 
 from drystone.base.arrays import Floats, Ints
 from drystone.base.display import OneLine, named
@@ -293,6 +292,8 @@ def assigned(plan: PlannedSteps, team: Sequence[Robot]) -> dict[int, int]:
 
     Each block of a step has another robot: it holds it until the last one is in place.
     """
+    from scipy.optimize import linear_sum_assignment  # slow to import
+
     assembly, chosen, turn = plan.model.assembly, dict[int, int](), 0
     for step in plan.steps[: plan.known_steps] if team else ():
         at, mass = assembly.centroid[list(step.blocks)], assembly.mass[list(step.blocks)]

@@ -16,7 +16,6 @@ from functools import cached_property
 from graphlib import CycleError, TopologicalSorter
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
 
 from drystone.base.arrays import Bools, Floats, Ints
 from drystone.base.display import OneLine, named, rounded_up
@@ -157,6 +156,8 @@ class BoundRules:
 
     def can_hold(self, blocks: Sequence[int]) -> bool:
         """Whether hands can take some blocks at once; a robot takes one."""
+        from scipy.optimize import linear_sum_assignment  # slow to import
+
         if not len(self.able):
             return int(self.lifters[list(blocks)].sum()) <= self.hands
         able = self.able[:, list(blocks)]

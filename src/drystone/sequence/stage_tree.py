@@ -19,7 +19,6 @@ from dataclasses import dataclass, replace
 from typing import TypeAlias
 
 import numpy as np
-from scipy.optimize import nnls
 
 from drystone.base.arrays import Floats
 from drystone.base.settings import Stopped
@@ -101,6 +100,8 @@ class LocalBalance:
 
 def _distance(forces: Floats, load: Floats) -> float:
     """Of a load from the cone of some forces (6, r); zero where it is not found."""
+    from scipy.optimize import nnls  # slow to import
+
     try:
         return float(nnls(forces, load)[1])
     except RuntimeError:  # no convergence

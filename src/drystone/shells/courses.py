@@ -5,13 +5,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.interpolate import RegularGridInterpolator
 
 from drystone.base.arrays import Bools, Floats
 from drystone.base.errors import InputError
 from drystone.shells.patch import Patch, arc_lengths, numbers, refuse_unless_positive
+
+if TYPE_CHECKING:
+    from scipy.interpolate import RegularGridInterpolator
 
 _MOST_COURSES = 5_000
 """Largest number of courses of a patch. Chosen: far above any vault."""
@@ -74,6 +77,8 @@ class Courses:
     @cached_property
     def _inverse(self) -> RegularGridInterpolator:
         """Function from (share of the length along u, v) to u."""
+        from scipy.interpolate import RegularGridInterpolator  # slow to import
+
         u, v = np.linspace(0.0, 1.0, SAMPLES), np.linspace(0.0, 1.0, _TABLE_V)
         points = self.patch.point(u[:, None], v[None, :])
         length = arc_lengths(points)

@@ -12,11 +12,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import splu
-from scipy.spatial import cKDTree
 
 from drystone.assembly import DEFAULT_DENSITY
 from drystone.base.arrays import Bools, Floats, Ints
@@ -26,6 +26,9 @@ from drystone.geometry.coincidence import distinct
 from drystone.loads import STANDARD_GRAVITY
 from drystone.shells.patch import Shape, Side
 from drystone.shells.sources import patch_from_grid
+
+if TYPE_CHECKING:
+    from scipy.spatial import cKDTree
 
 _ROUNDS = 60
 """Largest number of iterations of load and form; each reduces the error about ten times."""
@@ -72,6 +75,8 @@ class FormFound(OneLine):
         The thrust per width at a node is the mean force of its bars divided by half their mean
         length: each bar carries the strip half-way to its neighbours.
         """
+        from scipy.spatial import cKDTree  # slow to import
+
         ends = self.bar.ravel()
         length = np.linalg.norm(self.point[self.bar[:, 0]] - self.point[self.bar[:, 1]], axis=1)
         count = np.maximum(np.bincount(ends, minlength=len(self.point)), 1)

@@ -15,9 +15,7 @@ from functools import partial
 
 import numpy as np
 from scipy import sparse
-from scipy.interpolate import BSpline, CloughTocher2DInterpolator
 from scipy.sparse.linalg import spsolve
-from scipy.spatial import cKDTree
 
 from drystone.base.arrays import SAME, Floats, dot, frozen_points, lengths, unit
 from drystone.base.display import OneLine
@@ -76,6 +74,8 @@ def vaults_from_mesh(
     In plan, seen along the mean normal of the mesh, the vaults meet on the spine of its open sides.
     Between the vertices the surface is a smooth interpolation.
     """
+    from scipy.interpolate import CloughTocher2DInterpolator  # slow to import
+
     points = frozen_points(vertices, (None, 3), "vertices")
     points, loops, named = welded(points, faces, corners, name)
     border = border_of(loops, name)
@@ -204,6 +204,8 @@ def _in_plan(points: Floats, loops: list[list[int]], name: str) -> Floats:
 
 def _farthest(points: Floats, shape: Shape, name: str) -> float:
     """Largest distance [m] of a vertex from the nearest patch of a shape."""
+    from scipy.spatial import cKDTree  # slow to import
+
     at = np.linspace(0.0, 1.0, 8 * _NODES)
     u, v = (a.ravel() for a in np.meshgrid(at, at, indexing="ij"))
     nearest = np.full(len(points), np.inf)
@@ -388,6 +390,8 @@ def _sharpest(points: Floats, loops: list[list[int]], border: list[int], name: s
 
 def _basis(at: Floats, count: int) -> sparse.csr_matrix:
     """(k, count) values of the cubic B-splines on even knots in [0, 1]."""
+    from scipy.interpolate import BSpline  # slow to import
+
     inner = np.linspace(0.0, 1.0, count - _DEGREE + 1)
     knots = np.concatenate([np.zeros(_DEGREE), inner, np.ones(_DEGREE)])
     return sparse.csr_matrix(BSpline.design_matrix(np.clip(at, 0.0, 1.0), knots, _DEGREE))

@@ -6,10 +6,9 @@ import itertools
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any, Literal, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 import numpy as np
-from scipy.interpolate import CubicSpline, RectBivariateSpline
 
 from drystone.base.arrays import SAME, Floats, frozen_floats
 from drystone.base.errors import FormatError, InputError
@@ -18,6 +17,9 @@ from drystone.base.units import scale_of
 from drystone.io import format_of
 from drystone.io.draft import UP
 from drystone.shells.patch import SAMPLES, Patch, arc_lengths, check_patch, numbers
+
+if TYPE_CHECKING:
+    from scipy.interpolate import RectBivariateSpline
 
 _Curve: TypeAlias = Callable[[Floats], Any]
 """s (k,) in [0, 1] to points (k, 3) [m]."""
@@ -40,6 +42,8 @@ def patch_from_function(
 
 def curve_through(points: Any) -> _Curve:
     """A cubic curve through points (p, 3) [m], by chord length; two points give a line."""
+    from scipy.interpolate import CubicSpline  # slow to import
+
     corners = frozen_floats(points, (None, 3), "curve points")
     if len(corners) < 2:
         raise InputError("a curve needs two or more points")
@@ -206,6 +210,8 @@ def _on_splines(
 
 
 def _spline(at_u: Floats, at_v: Floats, points: Floats) -> list[RectBivariateSpline]:
+    from scipy.interpolate import RectBivariateSpline  # slow to import
+
     degree_u, degree_v = min(3, len(at_u) - 1), min(3, len(at_v) - 1)
     return [
         RectBivariateSpline(at_u, at_v, points[:, :, axis], kx=degree_u, ky=degree_v, s=0)

@@ -9,13 +9,16 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 import shapely
-from scipy.spatial import Voronoi
 
 from drystone.base.arrays import SAME, Floats, Ints
 from drystone.shells.patch import arc_lengths
+
+if TYPE_CHECKING:
+    from scipy.spatial import Voronoi
 
 _SAMPLES = 1_000
 """Points on the open sides. Chosen: far finer than the nodes of a patch."""
@@ -113,6 +116,8 @@ def spine_of(outline: Floats, sides: Sequence[Floats], bends: Sequence[Floats]) 
     bends
         Of each side: the lengths (b,) along it to its bends. There is a node at each.
     """
+    from scipy.spatial import Voronoi  # slow to import
+
     spacing = sum(float(arc_lengths(side)[-1]) for side in sides) / _SAMPLES
     samples = [_sampled(side, spacing) for side in sides]
     site = np.concatenate([place for place, _ in samples])

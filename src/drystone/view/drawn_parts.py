@@ -9,7 +9,6 @@ from typing import TypeAlias
 
 import numpy as np
 from manifold3d import Manifold
-from scipy.spatial.transform import Rotation
 
 from drystone.answer.scene import Layer, MarkerShape, Scene, SceneStage, State
 from drystone.base.arrays import Floats, Ints, unit
@@ -106,6 +105,8 @@ def fall_moments() -> tuple[Floats, Floats]:
 
 def quaternions(rotation: Floats) -> Floats:
     """(t, 4) x, y, z, w of rotation vectors (t, 3) [rad]."""
+    from scipy.spatial.transform import Rotation  # slow to import
+
     return Rotation.from_rotvec(rotation).as_quat()
 
 

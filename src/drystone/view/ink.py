@@ -15,7 +15,6 @@ import numpy as np
 import shapely
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
-from scipy.spatial.transform import Rotation
 
 from drystone.answer.scene import Layer, LayerKind, MarkerShape, State
 from drystone.assembly import Assembly
@@ -340,6 +339,7 @@ def _divided(steps: int) -> Floats:
 def draw_motion(sheet: Sheet) -> None:
     """Outlines of falling blocks at the end of the motion, and an arrow for each."""
     from matplotlib.collections import LineCollection
+    from scipy.spatial.transform import Rotation  # slow to import
 
     stage = sheet.stage
     if stage.motion is None or not sheet.shows_motion:
