@@ -115,6 +115,10 @@ class Told:
         screen.dim(self.answer.asked.line())
 
 
+_LOADS = 4
+"""Rows of loads that are printed. Chosen: they were asked for, and of fill there is one a block."""
+
+
 def _show(screen: Screen, answer: Answer, subject: str, everything: bool) -> None:
     """Its sentences, the first one with what was asked about, and its tables."""
     first, *others = answer.sentences()
@@ -131,11 +135,12 @@ def _show(screen: Screen, answer: Answer, subject: str, everything: bool) -> Non
 def show_table(screen: Screen, table: Table, everything: bool = False) -> None:
     """The first rows of a table, those that are equal but for a name on one line; or all."""
     heads, rows = table.cells()
+    listed = _LOADS if table.title == "loads" else LISTED
     if everything or not isinstance(next(iter(table.columns.values()))[0], str):
-        screen.table(heads, rows, len(rows) if everything else LISTED)
+        screen.table(heads, rows, len(rows) if everything else listed)
         return
     shown = grouped(rows)
-    screen.table(heads, shown)
+    screen.table(heads, shown, listed)
     if len(shown) < len(rows):
         screen.dim("equal rows share a line (--json lists all)")
 

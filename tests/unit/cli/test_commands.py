@@ -304,6 +304,15 @@ def test_strict_wants_a_model_that_stands_whatever_the_stiffness() -> None:
         assert exit_code(result(verdict, 5, 5), strict=False) == 1
 
 
+def test_a_load_on_each_of_many_blocks_does_not_bury_the_answer(
+    tmp_path: Path, capsys: Capsys
+) -> None:
+    loads = [word for i in range(1, 8) for word in ("--load", f"block-{i}:{i}N")]
+    assert main(["check", file(tmp_path, tower(8)), "--supports", "lowest", *loads]) == 0
+    out, _ = capsys.readouterr()
+    assert "and 3 more (--json lists all)" in out
+
+
 def test_inspect_lists_blocks_defects_and_contacts(tmp_path: Path, capsys: Capsys) -> None:
     code, told = answer(capsys, "inspect", file(tmp_path, arch()))
     assert code == 0
