@@ -147,9 +147,9 @@ def fall(
         frozen(_positions(frames, length)),
         lies,
         f"MuJoCo {mujoco.__version__}",
-        clock.reason,
         chosen,
         {"solve": clock.elapsed_s},
+        stopped=clock.reason,
     )
 
 
@@ -325,8 +325,6 @@ class Film(Answer):
         Whether everything has come to lie.
     engine
         What simulated it.
-    stopped
-        Why it ended early; empty where it did not.
     options, time_s
     """
 
@@ -335,7 +333,6 @@ class Film(Answer):
     positions: Floats
     lies: bool
     engine: str = ""
-    stopped: str = ""
     options: FallOptions = field(default_factory=FallOptions)
     time_s: Mapping[str, float] = field(default_factory=dict)
 

@@ -22,11 +22,12 @@ from drystone.answer.scene import Scene
 from drystone.answer.sentences import Role, Sentence
 from drystone.base.display import OneLine, picture_of
 from drystone.base.errors import InputError
+from drystone.base.settings import MayStop
 from drystone.base.table import Table
 from drystone.model import OfModel
 
 
-class Answer(OfModel, OneLine, ABC):
+class Answer(MayStop, OfModel, OneLine, ABC):
     """What an analysis answers. It says five things of itself, and keeps what was asked.
 
     A new kind of answer implements :attr:`title`, :meth:`sentences`, :meth:`tables`,

@@ -14,6 +14,7 @@ import math
 import time
 from collections.abc import Callable, Mapping
 from concurrent.futures import Executor
+from dataclasses import dataclass
 from typing import (
     Any,
     ParamSpec,
@@ -80,6 +81,19 @@ Time [s] after which the calculation ends with the results so far.""",
 
 class Stopped(Exception):
     """A search ends early: ``stop`` asked for it, or its time is over. What it found is kept."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class MayStop:
+    """What is found by work that a time limit or its caller may end early.
+
+    Attributes
+    ----------
+    stopped
+        Why it ended before all was done: ``the time was up`` or ``it was interrupted``; else empty.
+    """
+
+    stopped: str = ""
 
 
 class Clock:

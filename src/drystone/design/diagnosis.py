@@ -147,7 +147,7 @@ def diagnose(
     others = tuple(i for blocks in groups[chosen.regions :] for i in blocks)
     wanted = "friction" in chosen.kinds and not others and not clock.late()
     friction = _friction_of_all(model, regions, clock.late) if wanted else None
-    return Diagnosis(answer, tuple(regions), motion, friction, others, clock.reason)
+    return Diagnosis(answer, tuple(regions), motion, friction, others, stopped=clock.reason)
 
 
 def _region(
@@ -262,8 +262,6 @@ class Diagnosis(Answer):
         or none was found.
     others
         Blocks of regions that were not examined.
-    stopped
-        Why the needs of some regions are missing; else empty.
     """
 
     result: Result
@@ -271,7 +269,6 @@ class Diagnosis(Answer):
     motion: Floats
     friction: float | None = None
     others: tuple[int, ...] = ()
-    stopped: str = ""
 
     @property
     def model(self) -> Model:

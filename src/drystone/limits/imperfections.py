@@ -94,8 +94,6 @@ class StandingShare(Answer):
         Orders of loading that every draw was followed with; empty where it was checked.
     friction : (d,)
         Mean friction coefficient of every draw.
-    stopped
-        Why there are fewer draws than were asked for; else empty.
     model
         Without imperfections.
     options
@@ -108,7 +106,6 @@ class StandingShare(Answer):
     confidence: float
     loading: tuple[Loading, ...] = ()
     friction: Floats = field(default_factory=lambda: np.zeros(0))
-    stopped: str = ""
     model: Model = field(kw_only=True)
     options: Imperfections = field(kw_only=True)
 
@@ -289,8 +286,8 @@ def imperfections(
     made, empty = len(friction), (0.0, 1.0)
     stopped = f"{clock.reason} after {made} of {draws} draws" if made < draws else ""
     found = StandingShare(
-        tuple(verdicts), 0.0, empty, confidence, orders, frozen(np.array(friction)), stopped,
-        model=model, options=kinds,
+        tuple(verdicts), 0.0, empty, confidence, orders, frozen(np.array(friction)),
+        stopped=stopped, model=model, options=kinds,
     )  # fmt: skip
     standing = found.by_draw.count(True)
     # the verdicts on one draw depend on each other: it counts once

@@ -20,7 +20,7 @@ import numpy as np
 from drystone.assembly import Assembly
 from drystone.base.arrays import Floats
 from drystone.base.display import OneLine
-from drystone.base.settings import Clock, Options, Stop
+from drystone.base.settings import Clock, MayStop, Options, Stop
 from drystone.base.units import NUMBER
 from drystone.contacts import Contacts
 from drystone.formulations.corner_forces import FrictionCone
@@ -158,7 +158,7 @@ class LimitOptions(Options):
 
 
 @dataclass(frozen=True, eq=False)
-class LimitValues:
+class LimitValues(MayStop):
     """The numbers of a limit, and what follows from them; see :class:`Limit`."""
 
     quantity: Quantity
@@ -171,7 +171,6 @@ class LimitValues:
     islands: tuple[tuple[float, float], ...] = ()
     evaluations: tuple[Evaluation, ...] = ()
     time_s: Mapping[str, float] = field(default_factory=dict)
-    stopped: str = ""
     options: LimitOptions | None = None
 
     @property

@@ -37,14 +37,11 @@ class TiltSweep(Answer):
         The axis of each is the azimuth turned by 90 degrees.
     missing : [degrees]
         Requested directions without a result.
-    stopped
-        Why they are missing; else empty.
     """
 
     azimuth: Floats
     limits: tuple[Limit, ...]
     missing: tuple[float, ...] = ()
-    stopped: str = ""
 
     def _summary(self) -> str:
         if self.missing or not self.limits:
@@ -230,7 +227,7 @@ def tilt_sweep(
     if missing:
         done = ", ".join(f"{a:g}" for a in azimuth[:known]) or "none"
         stopped = f"{clock.reason} after {known} of {directions} directions (degrees: {done})"
-    return TiltSweep(azimuth[:known], tuple(limits), missing, stopped)
+    return TiltSweep(azimuth[:known], tuple(limits), missing, stopped=stopped)
 
 
 def _one(model: Model, upper: float, means: Means, axis: Floats) -> Limit:

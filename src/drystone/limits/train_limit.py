@@ -61,7 +61,6 @@ class TrainEnvelope(Answer):
     factors: Floats
     limit: Limit | None
     asked_for: int
-    stopped: str
     _crossing: Crossing
     _placed: tuple[PlacedTrain, ...]
     options: LimitOptions
@@ -574,10 +573,10 @@ def limit_train(
         np.array([one.found.factor for one in found]),
         None,
         steps,
-        clock.reason,
         crossing,
         tuple(found),
         chosen,
+        stopped=clock.reason,
     )
     if clock.late() or not found or len(crossing.resisted):
         return envelope

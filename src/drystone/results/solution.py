@@ -18,6 +18,7 @@ from drystone.answer.scene import Layer, LayerKind
 from drystone.base.arrays import SAME, Floats, dot, lengths
 from drystone.base.display import OneLine
 from drystone.base.ragged import sum_by_owner
+from drystone.base.settings import MayStop
 from drystone.base.table import Table
 from drystone.checks import Residuals, normal_force_by_strength
 from drystone.contacts import Contacts
@@ -55,7 +56,7 @@ class Samples:
 
 
 @dataclass(frozen=True, eq=False)
-class Solution(OfModel, OneLine):
+class Solution(MayStop, OfModel, OneLine):
     """What was found about a model; :class:`Result` puts it in words.
 
     Attributes
@@ -97,9 +98,6 @@ class Solution(OfModel, OneLine):
     crushing_factor
         Factor on all loads up to which forces within the strength of the joints balance them, where
         joints crush and that was asked.
-    stopped
-        Why it ended before all was tried: ``the time was up`` or ``it was interrupted``; empty
-        where nothing was left out.
     """
 
     method: str
@@ -120,7 +118,6 @@ class Solution(OfModel, OneLine):
     tilt_margin: float | None = None
     tilt_about: str = ""
     crushing_factor: float | None = None
-    stopped: str = ""
     settlement: Any = None
     options: Any = None
     solver: str = ""

@@ -122,8 +122,6 @@ class Dataset(Answer):
     orders
         With their answers, structure by structure.
     options
-    stopped
-        Why there are fewer than were asked for; else empty.
     """
 
     folder: Path
@@ -131,7 +129,6 @@ class Dataset(Answer):
     structures: tuple[Model, ...]
     orders: tuple[BuiltOrder, ...]
     options: DatasetOptions = field(kw_only=True)
-    stopped: str = ""
 
     @property
     def model(self) -> Model:

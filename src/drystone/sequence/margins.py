@@ -56,8 +56,6 @@ class Margins(Answer):
     ----------
     plan
     stages
-    stopped
-        Why margins of the last stages are missing; empty if all are known.
     widths
         Of the brackets of the least friction and of the tilt limit [degrees]. The stages were seen
         to stand at the side that is told.
@@ -65,7 +63,6 @@ class Margins(Answer):
 
     plan: Plan
     stages: tuple[Margin, ...]
-    stopped: str = ""
     widths: tuple[float, float] = (0.01, 0.5)
 
     def _summary(self) -> str:
@@ -188,7 +185,8 @@ def margins(
     found = list(in_turn(task, stages, "margins", clock))
     unknown = [Margin(math.nan, math.nan)] * (len(stages) - len(found))
     within = friction_width, tilt_width
-    return Margins(plan, (*found, *unknown), clock.reason if unknown else "", within)
+    stopped = clock.reason if unknown else ""
+    return Margins(plan, (*found, *unknown), within, stopped=stopped)
 
 
 def in_turn(

@@ -68,8 +68,6 @@ class Plan(PlannedSteps, Answer):
         that leave a block without contact although another removal is possible are not counted.
     solved
         Number of checks of connected parts; ``solve_s`` is their total time.
-    stopped
-        Why the search stopped before an order was found; else empty.
     reached
         Where it stopped: the stage with the fewest blocks that it knew to stand. ``ends_with`` is
         the way from there.
@@ -82,7 +80,6 @@ class Plan(PlannedSteps, Answer):
     proved: bool = False
     solved: int = 0
     solve_s: float = 0.0
-    stopped: str = ""
     reached: Node | None = None
     rules: Rules = field(default_factory=Rules)
 

@@ -110,8 +110,6 @@ class Scaffolding(Answer):
     failed
         Steps, from 1, that do not stand with it, or overload it, or that do not stand and have
         nothing that is held.
-    stopped
-        Why later stages were not checked; empty otherwise.
     staying
         Where some of it stays, for how many contact stiffnesses the whole stands with it.
     """
@@ -125,7 +123,6 @@ class Scaffolding(Answer):
     cost: float
     items: tuple[ScaffoldItem, ...]
     failed: tuple[int, ...]
-    stopped: str = ""
     staying: str = ""
 
     @property
@@ -319,8 +316,8 @@ def scaffolding(
         stages.options.stage_cost * metres + stages.options.move_cost * moves,
         tuple(item for prop in plan.props for item in stages.items(prop.block)),
         tuple(sorted(failed)),
-        stopped,
         _staying(stages, plan.steps[-1].placed, mask_of(stay), clock) if stay else "",
+        stopped=stopped,
     )
 
 

@@ -87,15 +87,12 @@ class Turns(Answer):
         One per block, in the order of assembly, up to the first failure.
     complete
         Answer of the complete structure without holds; None if it was not reached.
-    stopped
-        Why it was ended early; empty otherwise.
     """
 
     structure: StagedModel
     robots: tuple[Robot, ...]
     turns: tuple[Turn, ...]
     complete: StageAnswer | None
-    stopped: str = ""
 
     @property
     def model(self) -> Model:
@@ -337,7 +334,7 @@ def in_turn(
             if not turns[-1].works:
                 return Turns(structure, tuple(team), tuple(turns), None)
     stopped = "" if complete is not None else clock.reason
-    return Turns(structure, tuple(team), tuple(turns), complete, stopped)
+    return Turns(structure, tuple(team), tuple(turns), complete, stopped=stopped)
 
 
 def _turn(

@@ -188,8 +188,6 @@ class LargeDisplacement(Answer):
     fallen
         Where blocks were seen to fall, after the last state; None where they do not. It is no
         equilibrium.
-    stopped
-        Why it ended early; empty where it did not.
     options, time_s
     """
 
@@ -201,7 +199,6 @@ class LargeDisplacement(Answer):
     end: End
     message: str
     fallen: LargeState | None = None
-    stopped: str = ""
     options: SettlementOptions = field(default_factory=SettlementOptions)
     time_s: Mapping[str, float] = field(default_factory=dict)
 

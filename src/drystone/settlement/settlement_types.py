@@ -277,8 +277,6 @@ class Settlement(Answer):
     paths
         One for each carrier of the ends of the joints; only one if there are no such ends, or if
         one was requested. The first has moving carriers.
-    stopped
-        Why it stopped before the blocks rest or fall; else empty.
     options
     time_s
     """
@@ -286,7 +284,6 @@ class Settlement(Answer):
     outcome: Outcome
     message: str
     paths: tuple[SettlementPath, ...]
-    stopped: str = ""
     options: SettlementOptions = field(default_factory=SettlementOptions)
     time_s: Mapping[str, float] = field(default_factory=dict)
 

@@ -222,7 +222,7 @@ def _carried(
     paths = _part_by_part(case, paths)
     outcome, message = outcome_of(paths, clock)
     spent = {"solve": clock.elapsed_s - began}
-    return Settlement(outcome, message, paths, clock.reason, chosen, spent)
+    return Settlement(outcome, message, paths, chosen, spent, stopped=clock.reason)
 
 
 def _part_by_part(
@@ -366,7 +366,7 @@ def _nothing_free(model: Model, moving: Floats | None, chosen: SettlementOptions
         0,
         0,
     )
-    return Settlement(Outcome.RESTS, "every block is fixed", (path,), "", chosen, {"solve": 0.0})
+    return Settlement(Outcome.RESTS, "every block is fixed", (path,), chosen, {"solve": 0.0})
 
 
 def _tried(case: FollowedCase, which: tuple[Carrier, bool]) -> _Run:

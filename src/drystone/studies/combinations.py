@@ -63,8 +63,6 @@ class Combinations(Answer):
         Of each that does not stand the share of its actions that are not permanent up to which it
         stands: 0 where it falls under the permanent ones alone. NaN of those that stand, and
         without a permanent action.
-    stopped
-        Why not all were checked; else empty.
     """
 
     model: Model
@@ -74,7 +72,6 @@ class Combinations(Answer):
     results: tuple[Result, ...]
     needs: Mapping[str, tuple[float, ...]]
     carries: tuple[float, ...]
-    stopped: str = ""
 
     @cached_property
     def governs(self) -> int:
@@ -258,7 +255,7 @@ def combinations(
     needs = dict(zip(asked, zip(*shares, strict=True), strict=True)) if asked else {}
     return Combinations(
         model, str(file), digest(file), tuple(each[: len(results)]), results, needs,
-        carries, clock.reason if len(results) < len(each) else "",
+        carries, stopped=clock.reason if len(results) < len(each) else "",
     )  # fmt: skip
 
 
