@@ -37,7 +37,7 @@ def test_a_direction_that_never_stands_is_the_weakest_and_leaves_a_gap() -> None
 
 def test_an_unfinished_sweep_has_no_weakest_direction_and_no_closed_ring() -> None:
     known = sweep(10.0, 5.0, 12.0)
-    part = TiltSweep(known.azimuth, known.limits, (270.0,), "stopped")
+    part = TiltSweep(known.azimuth, known.limits, (270.0,), stopped="stopped")
     axes = save_figure(part).axes[0]
     assert [len(line.get_xydata()) for line in axes.lines] == [3, 3]
     assert "3 of 4 directions are known" in axes.get_title()
