@@ -127,7 +127,7 @@ def _notes(mends: Mends, chosen: MendOptions, everything: bool) -> list[str]:
     if mends.tried and not everything:
         notes = ["--all lists every mend, and all that was tried without success"]
     if mends.mends and chosen.margin == type(chosen.margin)():
-        notes.append("each stands without a margin: --margin tilt=2deg asks for one")
+        notes.append("no margin was asked for: --margin tilt=2deg asks for one")
     return notes
 
 

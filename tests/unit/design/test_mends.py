@@ -589,7 +589,7 @@ def test_the_command_lists_mends_and_makes_the_one_that_is_chosen(
     assert main(["mend", overhang, *arguments, "--pages", str(folder)]) == 1
     told = json.loads(capsys.readouterr().out)
     assert [one["kind"] for one in told["mends"]] == ["prop", "glue"]
-    assert not any("without a margin" in one for one in told["notes"])
+    assert not any("no margin was asked for" in one for one in told["notes"])
     pages = sorted(folder.iterdir())
     assert [page.name for page in pages] == ["mend-01.html", "mend-02.html"]
     assert "a prop of" in pages[0].read_text(encoding="utf-8")
@@ -598,7 +598,7 @@ def test_the_command_lists_mends_and_makes_the_one_that_is_chosen(
     assert json.loads(capsys.readouterr().out)["applied"]["verdict"] == "stable"
     assert drystone.check(out).stable
     assert main(["mend", overhang, "--kind", "prop", "--json"]) == 1
-    assert "without a margin: --margin" in json.loads(capsys.readouterr().out)["notes"][-1]
+    assert "no margin was asked for: --margin" in json.loads(capsys.readouterr().out)["notes"][-1]
 
 
 def test_a_file_that_no_mend_has_changed_is_not_written(
