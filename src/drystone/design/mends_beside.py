@@ -31,7 +31,8 @@ from drystone.ties import tied
 _FIRST = 6
 """Number of struts of one block that are tried, the shortest first, and of pairs of blocks between
 which a tie is tried: those that move apart fastest, that with the least pull times length by
-virtual work first, and of equal ones that nearest the middle of the region."""
+virtual work first, and of equal ones that nearest the middle of the region. Before these two blocks
+that alone are alike and level, opposite each other, if that is at most twice as much."""
 
 _TIES = 4
 """Number of ties that are tried together in a region. Chosen: two arches under a beam need two."""
@@ -186,7 +187,10 @@ def tie(asked: KnownNeeds) -> Proposals:
         return Tries(list(of), why, Take.FIRST, told=told, together=more)
 
     dowels = np.array([through([(i, j)]) for i, j in apart.tolist()])  # they are tried last
-    first = apart[np.lexsort((_off(bench, apart), bulk, dowels))].tolist()
+    # from the middle a tie is half as long as between opposite blocks, and pulls aside
+    twins = (apart[:, None] == _twins(bench)).all(axis=2).any(axis=1)
+    aside = ~(twins & (bulk <= 2.0 * bulk.min()))
+    first = apart[np.lexsort((_off(bench, apart), bulk, aside, dowels))].tolist()
     why = f"a tie between blocks that move apart, of {counted(len(first), 'pair')}"
     several: list[tuple[_Ends, ...]] = [((i, j),) for i, j in first]
     ties: tuple[_Ends, ...] = ()
@@ -208,7 +212,8 @@ def tie(asked: KnownNeeds) -> Proposals:
 def _apart(bench: Bench, motion: Floats, ties: tuple[_Ends, ...] = ()) -> tuple[Floats, Ints]:
     """The pairs (p, 2) of blocks that move apart fastest, with how fast (p,).
 
-    Of equal ones those nearest the middle of the region come first.
+    Of equal ones those nearest the middle of the region come first; the fastest pair of twins is
+    among them.
     """
     local = bench.local.assembly
     used = [i for ends in ties for i in ends]
@@ -224,8 +229,29 @@ def _apart(bench: Bench, motion: Floats, ties: tuple[_Ends, ...] = ()) -> tuple[
     level = np.round(rate / max(rate.max(initial=0.0), np.finfo(float).tiny), 6)
     few = max(level.size - _FIRST, 0)
     ends = np.argwhere((rate > 0.0) & (level >= np.partition(level, few, axis=None)[few]))
-    first = np.lexsort((_off(bench, ends), -level[tuple(ends.T)]))[:_FIRST]
-    return rate[tuple(ends[first].T)], ends[first]
+    twins = _twins(bench)
+    twins = twins[rate[tuple(twins.T)] > 0.0]
+
+    def fastest(pairs: Ints, count: int) -> Ints:
+        return pairs[np.lexsort((_off(bench, pairs), -level[tuple(pairs.T)]))[:count]]
+
+    first = fastest(ends, _FIRST)
+    more = [pair for pair in fastest(twins, 1) if not (first == pair).all(axis=1).any()]
+    first = np.concatenate([first, np.array(more, dtype=np.intp).reshape(-1, 2)])
+    return rate[tuple(first.T)], first
+
+
+def _twins(bench: Bench) -> Ints:
+    """Pairs (p, 2) of blocks of the region that alone have their volume and their height."""
+    own, blocks = np.sort(bench.own), bench.local.assembly
+    like = np.column_stack(
+        [blocks.volume / blocks.volume.max(), blocks.centroid[:, 2] / blocks.size.max()]
+    )
+    _, kind, count = np.unique(
+        np.round(like[own], 6), axis=0, return_inverse=True, return_counts=True
+    )
+    order = np.argsort(kind, kind="stable")
+    return own[order[count[kind[order]] == 2]].reshape(-1, 2)
 
 
 def lies_under_all(assembly: Assembly, block: int) -> bool:

@@ -3,6 +3,7 @@
 import json
 import re
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -27,6 +28,7 @@ from drystone.design.bench import Bench
 from drystone.design.changes import Change
 from drystone.joint_capacity import JointCapacity
 from drystone.models import arch, barrel_vault, box, h_model, shelf, tower, wedge
+from drystone.models.simple import prism
 
 SLOPE = np.rad2deg(np.arctan2(0.676163 - 0.627729, 0.284267 - 0.243736))
 """[degrees] Of the lower joint of block 10 of the shelf."""
@@ -236,6 +238,24 @@ def test_a_tie_carries_what_keeps_two_blocks_from_turning_apart(tmp_path: Path) 
     assert found.change.value == pytest.approx(0.1 * weight / 0.25, rel=0.01)
     assert found.change.added == 1
     assert again(found.model, tmp_path).stable
+
+
+def test_a_flat_arch_that_spreads_is_tied_from_side_to_side() -> None:
+    """By 676 N; a tie from one side to the voussoir next to the middle took 1.22 kN."""
+    edge, depth = np.linspace(-0.9, 0.9, 6), (0.0, 0.4)
+    rows = [box((4.0, 1.0, 0.2), (-2.0, -0.3, -0.2), "ground")]
+    for x, out, name in ((-0.9, -1.4, "left"), (0.9, 1.4, "right")):
+        rows.append(prism([(x, 0.0), (out, 0.0), (out, 1.4), (x, 1.4)], depth, f"pier-{name}"))
+        cap = (x, 1.4), (out, 1.4), (out, 1.8), (1.24 * x, 1.8)
+        rows.append(prism(cap, depth, f"cap-{name}"))
+    rows += [
+        prism([(a, 1.4), (b, 1.4), (1.24 * b, 1.8), (1.24 * a, 1.8)], depth, f"stone-{i}")
+        for i, (a, b) in enumerate(pairwise(edge))
+    ]
+    model = Model.of(Assembly(rows).with_fixed([0]), friction=0.7)
+    (found,) = find_mends(model, options=MendOptions(kinds=("tie",))).mends
+    assert "between the middles of 'cap-left' and 'cap-right'" in found.change.description
+    assert found.change.value < 700.0
 
 
 def test_two_blocks_that_nothing_presses_need_two_props(tmp_path: Path) -> None:
