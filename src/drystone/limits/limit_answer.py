@@ -176,6 +176,7 @@ class Limit(LimitValues, Answer):
         if stands is not None:
             least = AT_LEAST if self.capped else ""
             least = " at least" if self.stopped and falls is None else least
+            least = ", the least above 0 that was tried" if falls == self.end == 0.0 else least
             if self.undecided_between is not None:
                 fall = "" if falls is None else f", falls from {self._short(falls)}"
                 least += f"{fall}; {'between them' if fall else 'beyond'} undecided"

@@ -430,6 +430,9 @@ def test_an_unknown_value_has_no_unit_and_one_value_is_no_range() -> None:
     )
     told = [one.text for one in closed.sentences()]
     assert "not finished: time limit; between 1 and 4 deg it is open" in told
+    rough = replace(limit, quantity=Quantity("friction"), start=0.6, end=0.0, evaluations=())
+    least = replace(rough, equilibrium=Bracket(0.001, 0.0))
+    assert least.title.endswith("down to friction 0.001, the least above 0 that was tried")
 
 
 def test_a_live_load_may_be_a_vector_or_a_multiple_of_the_weight() -> None:
