@@ -168,8 +168,9 @@ class Forces(Answer):
         return [one for one in said if one.text]
 
     def tables(self) -> Sequence[Table]:
-        """The joints that pull, and those that need more friction than the threshold."""
+        """The most loaded joints, those that pull, and those that need more than the threshold."""
         made = [
+            self.result.most_loaded(),
             self._table("tension", np.flatnonzero(self.pull > 0.0), self.pull),
             self._table("friction", self._over, self.friction),
         ]

@@ -186,7 +186,7 @@ class Result(Solution, Answer):
 
     def tables(self) -> Sequence[Table]:
         """What gives way with its props, the joints that carry most, reactions, applied loads."""
-        told = (self._props(), self._largest(), self._ties(), self._reactions(), self.loads())
+        told = (self._props(), self.most_loaded(), self._ties(), self._reactions(), self.loads())
         return [table for table in told if len(table)]
 
     def layers(self) -> Scene:
@@ -247,7 +247,7 @@ class Result(Solution, Answer):
     def _reactions(self) -> Table:
         return Table("reactions", {"support": []}) if self.force is None else reaction_table(self)
 
-    def _largest(self) -> Table:
+    def most_loaded(self) -> Table:
         """The joints with the largest normal force and with most of the friction used.
 
         What a joint that carries hardly anything uses of its friction says nothing. More than all

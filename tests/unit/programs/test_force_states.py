@@ -42,6 +42,10 @@ def pressing(found: drystone.programs.Forces) -> int:
 
 def test_squares_press_on_all_corners_and_a_vertex_on_two() -> None:
     assert pressing(find_forces(LEVEL)) == 4
+    most = find_forces(LEVEL).tables()[0]
+    assert most.title == "most loaded"
+    weight = 9.81 * LEVEL.assembly.mass[~LEVEL.assembly.fixed].sum()
+    assert most["normal"][0] == pytest.approx(weight, rel=1e-6)
     assert pressing(find_forces(LEVEL, objective=Objective.LINEAR)) == 4
     vertex = find_forces(LEVEL, objective=Objective.VERTEX)
     assert pressing(vertex) == 2
