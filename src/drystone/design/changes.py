@@ -241,18 +241,21 @@ def glue_changes(
     }
 
 
-def ballast_change(model: Model, count: int, block: int) -> Change:
-    """The least weight [N] on a block of a region: the first blocks of a local model."""
+def ballast_change(model: Model, count: int, *on: int) -> Change:
+    """The least weight [N] on each of some blocks of a region, the first ones of a local model."""
 
     def make(weight: float, model: Model, blocks: Ints, _: Ints) -> Model:
-        return ballasted(model, int(blocks[block]), weight)
+        for block in on:
+            model = ballasted(model, int(blocks[block]), weight)
+        return model
 
     def words(weight: float) -> str:
-        return f"a weight of {quantity(weight, 'N')} on {names_of(model, [block])}"
+        each = "each of " if len(on) > 1 else ""
+        return f"a weight of {quantity(weight, 'N')} on {each}{names_of(model, on)}"
 
     own = float(model.assembly.mass[:count].sum() * np.linalg.norm(acceleration_of(model)))
     steps = tuple(share * own for share in _BALLAST_SHARES)
-    return Change("ballast", make, words, steps, added=1)
+    return Change("ballast", make, words, steps, added=len(on))
 
 
 def glued(model: Model, joints: Ints, strength: float) -> Model:

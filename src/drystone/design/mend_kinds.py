@@ -289,13 +289,21 @@ def _overhung(model: Model, made: Mapping[int, Block], across: Floats) -> tuple[
 
 
 def _ballast(asked: KnownNeeds) -> Proposals:
-    """The least weight on one block."""
+    """The least weight on one block; else on each of the two that rise most when it falls."""
     bench, ballast = asked.bench, asked.needs.ballast
+    own = len(bench.own)
     if ballast is None:
-        yield f"no weight up to {MOST:g} times its own on one block holds it"
+        rise = bench.motion[:own, :3] @ -acceleration_of(bench.local)
+        share = np.round(rise / (np.abs(rise).max() or 1.0), 6)
+        two = np.argsort(-share, kind="stable")[:2].tolist()
+        why = f"no weight up to {MOST:g} times its own on one block holds it"
+        if own <= SEARCHED and (share > 0.0).sum() > 1:
+            both = f"{why}, or on each of the two that rise most"
+            yield Tries([ballast_change(bench.local, own, *two)], both)
+        else:
+            yield why
         return
-    at = bench.region.index(ballast.at[0])
-    change = ballast_change(bench.local, len(bench.own), at)
+    change = ballast_change(bench.local, own, bench.region.index(ballast.at[0]))
     same = replace(change, steps=(ballast.value,), low=ballast.value)
     yield Tries([same], "the least weight does not keep the margin")
 

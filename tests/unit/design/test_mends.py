@@ -315,6 +315,19 @@ def test_two_blocks_made_one_stand(tmp_path: Path) -> None:
     assert again(found.model, tmp_path).stable
 
 
+def test_what_tips_on_both_sides_is_held_by_two_weights(tmp_path: Path) -> None:
+    places = {"pier-l": 0.0, "pier-r": 2.2, "slab-l": 0.4, "slab-r": 1.8}
+    sides = [
+        box((1.0, 0.5, 0.2), (x, 0.0, 0.2 * name.startswith("slab")), name)
+        for name, x in places.items()
+    ]
+    lintel = box((0.8, 0.5, 1.2), (1.2, 0.0, 0.4), "lintel")
+    model = Model.of(Assembly((*sides, lintel)).with_fixed([0, 1]), friction=0.6)
+    (found,) = find_mends(model, options=MendOptions(kinds=("ballast",))).mends
+    assert "on each of 'slab-l' and 'slab-r'" in found.sentences()[-1].text
+    assert again(found.model, tmp_path).stable
+
+
 def test_mends_come_before_reasons_and_what_failed_is_one_line(fallen: Mends) -> None:
     said = [one.text for one in fallen.sentences()]
     rows = [k for k, one in enumerate(said) if one.startswith("mend ")]
