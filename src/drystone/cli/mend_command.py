@@ -97,7 +97,7 @@ def mend(
         waiting.stage("mend", "mending")
         if auto:
             made = design.mend(model, options=chosen, **common)
-            notes, files = list(model.notes), wanted
+            notes, files = [*model.notes, *chosen.margin.remarks(model)], wanted
             if not (made.changes or made.stands) and wanted.out is not None:
                 notes.append(f"{wanted.out} is not written: no mend was made")
                 files = replace(wanted, out=None)
@@ -105,7 +105,7 @@ def mend(
         mends = design.find_mends(model, options=chosen, **common)
     stands = not mends.mends and not mends.diagnosis.regions
     pictures = replace(wanted, out=None)
-    notes = [*model.notes, *_notes(mends, chosen, everything)]
+    notes = [*model.notes, *chosen.margin.remarks(model), *_notes(mends, chosen, everything)]
     if stands and wanted.out is not None:
         notes.append(f"{wanted.out} is not written: no mend is needed")
     told = Told(mends, notes=notes, files=partial(pictures.of, mends))

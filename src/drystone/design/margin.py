@@ -11,6 +11,7 @@ import numpy as np
 from drystone.base.arrays import ROUNDING, Floats
 from drystone.base.errors import InputError
 from drystone.base.settings import Options, Stopped
+from drystone.base.units import quantity
 from drystone.geometry.frames import LEVEL_AXES, axis_words, rotation_about
 from drystone.loads import LoadCase
 from drystone.loads.placing import wrench_of_masses
@@ -211,6 +212,19 @@ class DesignMargin(Options):
             fills=load.fills,
             masses=tuple(replace(one, shake=self.load * one.shake) for one in load.masses),
         )
+
+    def remarks(self, model: Model) -> list[str]:
+        """What a margin of load multiplies that helps, or that nothing is there to multiply."""
+        if self.load == 1.0:
+            return []
+        words, more = self._loaded(model)
+        if words == "its weight":
+            only = "multiplies weight alone, which moves no dry block: no other load acts"
+            return [f"load={self.load:g} {only}"]
+        x, y, z = (more.wrench - model.load.wrench)[model.assembly.free, :3].sum(axis=0)
+        down = quantity(-z / (self.load - 1.0), "N")
+        also = f"load={self.load:g} also multiplies the {down} that press down, which may help"
+        return [also] if z < 0.0 and np.hypot(x, y) > ROUNDING * -z else []
 
     def case_of(self, result: Result, model: Model) -> str:
         """Words for the case that a result of :meth:`holds` is of; empty for the model itself."""

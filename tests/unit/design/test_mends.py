@@ -452,6 +452,12 @@ def test_the_load_of_a_margin_is_what_acts_beside_weight() -> None:
     found = more.holds(loaded)
     assert found.falls
     assert more.case_of(found, loaded) == "under 1.75 times what loads it beside its weight"
+    (alone,) = more.remarks(Model.of(ring, friction=0.7))
+    assert alone.endswith("no other load acts")
+    assert more.remarks(loaded) == DesignMargin().remarks(loaded) == []
+    thrust = LoadCase.point_load(ring, "voussoir-17", (0.0, 5e2, -1e3))
+    (also,) = more.remarks(loaded.with_load(own + thrust))
+    assert also == "load=1.75 also multiplies the 1 kN that press down, which may help"
 
 
 def test_a_margin_grows_loads_off_blocks_and_shaking_where_they_act() -> None:
