@@ -14,7 +14,7 @@ import pytest
 
 import drystone
 from drystone.answer import Answer
-from drystone.design import Changed
+from drystone.design import Changed, MendOptions, find_mends
 from drystone.detection import find_contacts, gap_sweep
 from drystone.fall import Film
 from drystone.io import Inspection
@@ -114,8 +114,9 @@ def use_all_controls(tab: Tab) -> None:
 
 
 LIKE_OTHERS = {"model", "stands", "equilibrium", "limit of friction", "limit of a load", "plan"}
-LIKE_OTHERS |= {"supports that move far", "followed"}
-"""Kinds whose page has the controls of another kind; ``test_page`` opens most of them."""
+LIKE_OTHERS |= {"supports that move far", "followed", "diagnosis"}
+"""Kinds whose page has the controls of another kind; ``test_page`` opens most of them, and that of
+mends begins with the diagnosis."""
 
 
 @pytest.mark.parametrize("kind", [one for one in KINDS if one not in LIKE_OTHERS])
@@ -124,6 +125,21 @@ def test_a_page_of_every_kind_opens_and_obeys(opened: Callable[..., Tab], kind: 
     assert tab.text("h1").startswith(headline)
     assert tab.run("document.getElementById('trouble').hidden")
     assert " blocks · free mass " in tab.text("#asked").replace("\u00a0", " ")
+    use_all_controls(tab)
+
+
+def test_a_mend_that_is_listed_shows_its_stage(opened: Callable[..., Tab]) -> None:
+    model = STACK.with_load((8.0, 0.0, -9.81))
+    tab = opened(find_mends(model, options=MendOptions(kinds=("prop",))))
+    row = "document.querySelector('.chart button')"
+    assert tab.text(".chart button").startswith("mend 1: ")
+    assert tab.run(f"{row}.getAttribute('aria-pressed')") == "true"
+    tab.slide("#stage", 0)
+    assert tab.run(f"{row}.getAttribute('aria-pressed')") == "false"
+    assert tab.text("h1").startswith("Falls: ")
+    tab.run(f"{row}.focus()")
+    tab.send("Input.dispatchKeyEvent", type="keyDown", key="Enter", code="Enter", text="\r")
+    assert tab.text("h1").startswith("Mend 1: ")
     use_all_controls(tab)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -12,7 +13,7 @@ import numpy as np
 from drystone.answer import Answer, Role, Scene, Sentence
 from drystone.answer.chart import Chart
 from drystone.answer.scene import side_by_side
-from drystone.base.display import named, rounded_down, shortened
+from drystone.base.display import named, rounded_down
 from drystone.base.errors import InputError, counted
 from drystone.base.settings import Clock, LongWork, Options, Stop, checked_call
 from drystone.base.workers import WorkerPool
@@ -423,7 +424,8 @@ class Mends(Answer):
         stages = [scene.stages[0]]
         for text, one in zip(told, few, strict=False):
             rest = f" (others still fall: {named(one.held)}):" if one.held else ":"
-            headline = shortened(f"M{text[1:].replace(':', rest, 1)}", _LONG)
+            whole = f"M{text[1:].replace(':', rest, 1)}"
+            headline = textwrap.shorten(whole, _LONG, placeholder=" ...", break_on_hyphens=False)
             stage = replace(one.layers().stages[0], headline=headline)
             stages.append(replace(stage, label=f"mend {len(stages)}"))
         models = [self.diagnosis.model, *(one.result.model for one in few)]

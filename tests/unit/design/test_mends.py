@@ -369,6 +369,12 @@ def test_the_page_has_a_stage_for_each_mend_and_a_list_of_them(fallen: Mends) ->
         f"mend {k}" for k in range(1, len(fallen.mends) + 1)
     ]
     assert scene.charts[0].caption.count("--apply ") == len(fallen.mends)
+    titles = [one.headline for one in scene.stages[1:]]
+    lines = [one.text for one in fallen.sentences()] + fallen.failures()
+    words = {word for line in lines for word in line.split()}
+    cut = [one for one in titles if one.endswith(" ...")]
+    assert cut
+    assert all(set(one[4:-4].split()) <= words for one in cut)
     standing = [one for one in scene.stages[1:] if one.role is Role.GOOD]
     assert len(standing) == len(fallen.mends)
 

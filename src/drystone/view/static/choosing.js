@@ -56,6 +56,17 @@ function presetButtons() {
   }
 }
 
+// A row beside the picture that begins with the label of a stage shows it, as a mend of a list.
+function stageRows() {
+  for (const row of document.querySelectorAll(".chart p")) {
+    const number = data.stages.findIndex(({ label }) => row.textContent.startsWith(`${label}: `));
+    if (number < 0) continue;
+    const shows = button("", () => stepStage(number - page.stage), { "data-stage": number });
+    shows.append(...row.childNodes);
+    row.replaceWith(shows);
+  }
+}
+
 const actions = {
   select(block) {
     [page.selected, page.joint] = [block, -1];

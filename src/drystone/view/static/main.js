@@ -107,6 +107,7 @@ byId("stage-box").hidden = data.stages.length < 2;
 byId("stage").max = data.stages.length - 1;
 if (narrow.matches) byId("fold").setAttribute("aria-expanded", "false");
 presetButtons();
+stageRows();
 connect();
 choosePreset(data.preset);
 setStage(data.opens);

@@ -73,6 +73,9 @@ function setStage(number) {
   const numbered = data.stages.some((one) => one.arrives); // by the number of the step
   byId("stage-label").textContent = numbered
     ? stage().label : `${page.stage + 1} of ${data.stages.length}: ${stage().label}`;
+  for (const row of document.querySelectorAll("[data-stage]")) {
+    row.setAttribute("aria-pressed", String(Number(row.dataset.stage) === page.stage));
+  }
   byId("motion-box").hidden = !stage().motion;
   byId("motion-name").textContent = stage().motionName;
   byId("scale-box").hidden = !stage().layers.some((layer) => layer.kind === "arrows");
