@@ -45,6 +45,9 @@ def test_one_finger_turns_and_two_zoom_and_a_tap_opens_a_card(opened: Callable[.
     tab.touch("touchStart", (x, y))
     tab.touch("touchEnd")
     tab.until("document.getElementById('card').textContent !== ''")
+    for told in (False, True):  # with the controls open the model has the room of what was asked
+        tab.click("#fold")
+        assert tab.run("document.getElementById('asked').checkVisibility()") is told
 
 
 def test_keys_turn_move_zoom_and_look_from_three_sides(opened: Callable[..., Tab]) -> None:
