@@ -150,21 +150,48 @@ SHARED = {
 """Parameters of many functions, where a function says nothing of them."""
 
 
+def by_type(name, called):
+    """What a parameter is, where its name and its type say all: None where they do not."""
+    one = inspect.signature(called).parameters.get(name)
+    kind = "" if one is None else str(one.annotation)
+    if choices := re.search(r"Literal\[(.*?)\]", kind):
+        return "One of " + ", ".join(f"``{one.strip()}``" for one in choices[1].split(","))
+    known = [one for one in re.findall(r"[A-Z]\w+", kind) if hasattr(drystone, one)]
+    own = [one for one in re.findall(r"[A-Z]\w+", kind) if one in called.__globals__]
+    classes = dict.fromkeys(known or own)
+    return "See " + " or ".join(f":class:`{one}`" for one in classes) + "." if classes else None
+
+
 def shared_parameters(*event):
-    """A line for each parameter that all analyses share and that is not described."""
+    """A line for each parameter that is not described: one of all, or what its type says."""
     _, what, _, called, _, lines = event
     rules = [i for i, line in enumerate(lines) if re.fullmatch("-{3,}", line)]
     if what != "function" or not rules or lines[rules[0] - 1] != "Parameters":
         return
     end = rules[1] - 1 if len(rules) > 1 else len(lines)
-    heads = [
-        one.partition(" : ")[0] for one in lines[rules[0] + 1 : end] if one[:1] not in ("", " ")
-    ]
-    told = {name.strip(" *") for head in heads for name in head.split(",")}
+    told, plain = set(), inspect.unwrap(called)
+    for at in reversed(range(rules[0] + 1, end)):
+        head, colon, _ = lines[at].partition(" : ")
+        if lines[at][:1] in ("", " "):
+            continue
+        names = [one.strip(" *") for one in head.split(",")]
+        told.update(names)
+        bare = not (colon or any(one[:1] == " " for one in lines[at + 1 : at + 2]))
+        if bare and len(names) == 1 and (said := by_type(names[0], plain)):
+            lines.insert(at + 1, f"    {said}")
+            end += 1
     for name in inspect.signature(called).parameters:
         if name in SHARED and name not in told:
             lines[end:end] = [name, f"    {SHARED[name]}", ""]
             end += 3
+
+
+def written_in(*event):
+    """The module in which a function is written that a package exports, for its source."""
+    _, package, name = event
+    found = getattr(sys.modules.get(package), name, None)
+    plain = inspect.unwrap(found) if callable(found) else None
+    return plain.__globals__["__name__"] if inspect.isfunction(plain) else None
 
 
 def by_last_name(app, env, node, content):
@@ -200,6 +227,7 @@ def setup(app: Sphinx) -> None:
     app.connect("autodoc-process-docstring", each_attribute, priority=390)
     app.connect("autodoc-process-docstring", whole_description, priority=400)
     app.connect("autodoc-process-docstring", shared_parameters, priority=400)
+    app.connect("viewcode-follow-imported", written_in)
     app.connect("html-page-context", social)
     app.connect("html-page-context", back_from_code)
     app.connect("missing-reference", by_last_name)
