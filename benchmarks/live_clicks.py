@@ -1,6 +1,6 @@
 """Whether clicks and touches do what was meant: ``python -m benchmarks.live_clicks``.
 
-Twenty actions on each of three models, with a mouse and with a finger: a block becomes a support
+Twenty actions on each of four models, with a mouse and with a finger: a block becomes a support
 or is freed, is taken out, is pushed, or a support is moved. What was meant is the block that the
 page names beside the pointer; what was done is what its list of changes says. Each is undone.
 """
@@ -14,13 +14,14 @@ from contextlib import suppress
 from pathlib import Path
 
 import drystone
+from benchmarks.curved import curved_vault
 from drystone import io
 from drystone.assembly import Assembly
 from drystone.live.serving import Live
 from drystone.models import arch, dome, vault
 from tests.page.browser import Browser, BrowserError, Tab, executable, running
 
-MODELS = {"arch": arch, "vault": vault, "dome": dome}
+MODELS = {"arch": arch, "vault": vault, "dome": dome, "curved": curved_vault}
 MODES = {
     "support": ": a click",
     "remove": ": a click takes it out",
@@ -56,7 +57,7 @@ def actions(browser: Browser, live: Live, *, touch: bool, count: int) -> int:
     """How many actions did what was meant."""
     size = (390, 844) if touch else (1000, 700)
     tab = browser.open(live.link, size=size, touch=touch)
-    tab.until("document.getElementById('headline').className === 'STABLE'")
+    tab.until("document.getElementById('headline').className === 'good'")
     draw = random.Random(0)
     right = 0
     for number in range(count):
