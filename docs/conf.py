@@ -186,6 +186,24 @@ def shared_parameters(*event):
             end += 3
 
 
+def returned(*event):
+    """What a function gives that does not say it: the class of its annotation."""
+    _, what, _, called, _, lines = event
+    if what not in ("function", "method") or "Returns" in lines or "Yields" in lines:
+        return
+    plain = inspect.unwrap(called)
+    kind = str(inspect.signature(plain).return_annotation)
+    known = [
+        one for one in re.findall(r"[A-Z]\w+", kind) if one in getattr(plain, "__globals__", ())
+    ]
+    if known:
+        rules = [i - 1 for i, line in enumerate(lines) if re.fullmatch("-{3,}", line)]
+        after = [i for i in rules if lines[i] in ("Raises", "Notes", "Examples", "See Also")]
+        at = after[0] if after else len(lines)
+        told = " or ".join(f":class:`{one}`" for one in dict.fromkeys(known))
+        lines[at:at] = ["", "Returns", "-------", told, ""]
+
+
 def written_in(*event):
     """The module in which a function is written that a package exports, for its source."""
     _, package, name = event
@@ -227,6 +245,7 @@ def setup(app: Sphinx) -> None:
     app.connect("autodoc-process-docstring", each_attribute, priority=390)
     app.connect("autodoc-process-docstring", whole_description, priority=400)
     app.connect("autodoc-process-docstring", shared_parameters, priority=400)
+    app.connect("autodoc-process-docstring", returned, priority=395)
     app.connect("viewcode-follow-imported", written_in)
     app.connect("html-page-context", social)
     app.connect("html-page-context", back_from_code)
