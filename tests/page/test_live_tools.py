@@ -153,6 +153,12 @@ def test_a_mend_is_seen_made_and_undone_and_the_end_is_told(
     with Live(path, port=0) as live:
         tab = browser.open(live.link, size=(760, 480))
         verdict(tab, "bad")
+        says(tab, "live-state", "verdict: ")
+        views = []  # that of *Fit* is the one of the first verdict, with its arrows
+        for button in ("#link", "#fit", "#link"):
+            tab.click(button)
+            views.append(tab.run("document.getElementById('address').value"))
+        assert views[0] == views[-1]
         tab.run("document.getElementById('mends-box').open = true")
         without = tab.picture("#view")
         tab.click("#mends-find")

@@ -1,6 +1,7 @@
 // Puts answers into the picture: another stage of the same model, or another model.
 
 let firstAnswer = true;
+let greeting = !location.hash; // until the first verdict, where nothing was asked before it
 let planKept = null; // the data of the load case while a plan is shown
 const planShown = () => planKept !== null;
 
@@ -42,7 +43,8 @@ function showContacts(more, array) {
   if (page.joint >= data.contacts.a.length) page.joint = -1;
 }
 
-// One answer: the stage takes the place of the one before, the eye stays where it is.
+// One answer: the stage takes the place of the one before, the eye stays where it is; but what the first ones bring,
+// as a legend, arrows and a motion, is to be seen.
 function showAnswer(text, quick) {
   const { stage: fresh, contacts, blobs } = JSON.parse(text);
   const array = arraysOf(blobs);
@@ -51,7 +53,6 @@ function showAnswer(text, quick) {
   stop();
   forgetLayers();
   data.stages = [fresh];
-  const greeting = firstAnswer && !location.hash;
   if (firstAnswer) {
     firstAnswer = false;
     page.wanted = "forces";
@@ -61,7 +62,9 @@ function showAnswer(text, quick) {
   renewPresets();
   setStage(0);
   if (fresh.moved) setTime(1);
-  if (greeting) fit(camera.azimuth, camera.elevation, 0); // there was no legend before
+  greeting &&= now === past.states[0];
+  if (greeting && camera.fits) fit(camera.azimuth, camera.elevation, 0);
+  greeting &&= quick;
   if (fresh.plays && !quick && !still.matches) play("motion");
 }
 
