@@ -24,6 +24,8 @@ def eye(tab: Tab) -> str:
 
 def test_one_finger_turns_and_two_zoom_and_a_tap_opens_a_card(opened: Callable[..., Tab]) -> None:
     tab = opened(drystone.check(STACK), size=(390, 800), touch=True)
+    lists = "[...document.querySelectorAll('#worst summary')].map((one) => one.textContent)"
+    assert tab.run(lists) == ["Largest normal force"]  # no joint uses friction
     seen = [eye(tab)]
     tab.touch("touchStart", (150, 400))
     for x in (170, 190, 220):

@@ -250,8 +250,8 @@ class Result(Solution, Answer):
     def most_loaded(self) -> Table:
         """The joints with the largest normal force and with most of the friction used.
 
-        What a joint that carries hardly anything uses of its friction says nothing. More than all
-        is told only where it may need its corners.
+        What a joint that carries hardly anything uses of its friction says nothing, nor does
+        rounding. More than all is told only where it may need its corners.
         """
         if self.force is None or not self.force.any():
             return Table("most loaded", {"joint": []})
@@ -260,10 +260,11 @@ class Result(Solution, Answer):
         told = np.where(_loaded(found), used, -1.0)
         heaviest, most = int(np.argmax(found.normal)), int(np.argmax(told))
         alike = told[heaviest] >= (1.0 - 1e-3) * told[most]  # of two that are alike one is told
-        at = np.array([heaviest, heaviest if alike else most])
+        most = heaviest if alike else most
+        at = np.array([heaviest, most] if used[most] > SAME else [heaviest])
         normal, tangential = found.normal[at], found.tangential[at]
         columns = {
-            "joint": ["largest force", "most friction used"],
+            "joint": ["largest force", "most friction used"][: len(at)],
             "interface": at,
             "block_a": [names[i] for i in contacts.block_a[at]],
             "block_b": [names[i] for i in contacts.block_b[at]],

@@ -216,7 +216,8 @@ function worstLists(data, stage, actions, most = 8) {
     const used = (i) => (stage.normal[i] > least ? stage.utilisation[i] : 0);
     lists.push(["Largest normal force", top(stage.normal.length, (i) => stage.normal[i])
       .map((i) => joint(i, quantity(stage.normal[i], "N")))]);
-    lists.push(["Most friction used", top(stage.normal.length, used).map((i) => joint(i, percent(used(i))))]);
+    lists.push(["Most friction used", top(stage.normal.length, used)
+      .map((i) => joint(i, percent(used(i)))).filter(({ value }) => value !== percent(0))]); // not rounding
   }
   if (stage.prop) {
     const force = (i) => vec.length(stage.prop.subarray(6 * i, 6 * i + 3));
