@@ -25,7 +25,7 @@ from drystone.answer.scene import (
     with_version,
 )
 from drystone.base.arrays import Floats, frozen_floats, number
-from drystone.base.errors import InputError, quoted
+from drystone.base.errors import InputError
 from drystone.base.settings import checked_call
 from drystone.base.units import quantity
 from drystone.contacts import Contacts
@@ -41,7 +41,7 @@ from drystone.view.palette import (
     is_shown,
     ramp_colours,
 )
-from drystone.view.plots import save_chart, save_plot
+from drystone.view.plots import require_axes, save_chart, save_plot
 from drystone.view.section import cut_at, seen_behind
 from drystone.view.sheet import Sheet, draw_labels, draw_shadow, write_beside
 from drystone.view.subjects import Subject, scene_of
@@ -324,7 +324,7 @@ def save_figure(
     ------
     InputError
         A suffix, size, direction, preset, layer or stage that does not exist, a section beside the
-        model, contacts of another model, or axes for a chart.
+        model, contacts of another model, or axes of another kind than a chart has.
 
     Examples
     --------
@@ -338,15 +338,11 @@ def save_figure(
     width, height = frozen_floats(size, (2,), "size")
     if not (width > 0.0 and height > 0.0):
         raise InputError("a side of size is not above zero", remedy="give inches, such as 9, 6.5")
-    if not (ax is None or hasattr(ax, "get_window_extent")):
-        raise InputError(f"ax is {quoted(ax)}", remedy="give axes of matplotlib")
+    require_axes(ax)
     if isinstance(subject, Answer):
         shown = subject.figure()
         if isinstance(shown, Chart):
-            if ax is not None:
-                what = f"'{subject.title}' is drawn as a chart, which makes axes of its own"
-                raise InputError(what, where="ax", remedy="leave it out")
-            return save_chart(shown, path, title=Path(subject.asked.file).stem)
+            return save_chart(shown, path, title=Path(subject.asked.file).stem, ax=ax)
         scene = replace(shown, made=with_version(subject.when))
     else:
         scene = scene_of(subject, contacts)

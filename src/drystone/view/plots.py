@@ -12,13 +12,15 @@ import numpy as np
 
 from drystone.answer.chart import Chart, HeatMap, MarkKind, Marks
 from drystone.base.arrays import Floats
-from drystone.base.errors import FormatError
+from drystone.base.errors import FormatError, InputError, quoted
 from drystone.base.files import PathLike, write_bytes
+from drystone.base.settings import checked_call
 from drystone.view.palette import ROLE_COLOUR
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 
@@ -26,15 +28,34 @@ _WIDE = 85
 """Letters of a title that fit on a line."""
 
 
-def _axes(title: str, projection: str | None = None) -> tuple[Figure, Any]:
-    """A figure with one pair of axes."""
+_WIDTH = 7.0
+"""[inches]"""
+
+
+def require_axes(ax: Any) -> None:
+    """Refuse what are no axes of matplotlib; None is none."""
+    if not (ax is None or hasattr(ax, "get_window_extent")):
+        raise InputError(f"ax is {quoted(ax)}", remedy="give axes of matplotlib")
+
+
+def _axes(title: str, inside: Axes | None, projection: str = "rectilinear") -> tuple[Figure, Any]:
+    """A figure with one pair of axes; or those that are given, and their figure."""
     from matplotlib.figure import Figure  # optional work: plotting is slow to import
 
-    figure = Figure(figsize=(7.0, 4.6), layout="constrained")
-    axes: Any = figure.add_subplot(projection=projection)
-    wrapped = "\n".join(textwrap.fill(line, _WIDE) for line in title.splitlines())
+    require_axes(inside)
+    letters: int = _WIDE
+    axes: Any = inside
+    if axes is None:
+        figure = Figure(figsize=(_WIDTH, 4.6), layout="constrained")
+        axes = figure.add_subplot(projection=projection)
+    else:
+        letters = max(20, int(_WIDE / _WIDTH * axes.get_window_extent().width / axes.figure.dpi))
+        if axes.name != projection:
+            what = f"this chart needs {projection} axes, and ax is {axes.name}"
+            raise InputError(what, remedy=f"make them with projection='{projection}'")
+    wrapped = "\n".join(textwrap.fill(line, letters) for line in title.splitlines())
     axes.set_title(wrapped, fontsize=10)
-    return figure, axes
+    return axes.figure, axes
 
 
 _SHAPES = {
@@ -50,7 +71,14 @@ _WRITTEN = 100
 _INK = {"accent": "pressure", "good": "resultant", "bad": "help", "unsure": "missed", "ink": "edge"}
 
 
-def save_chart(chart: Chart | HeatMap, path: PathLike | None = None, *, title: str = "") -> Figure:
+@checked_call
+def save_chart(
+    chart: Chart | HeatMap,
+    path: PathLike | None = None,
+    *,
+    title: str = "",
+    ax: Axes | None = None,
+) -> Figure:
     """Draw a chart, such as the ``plot`` of an answer, and write it if there is a path.
 
     Parameters
@@ -60,16 +88,25 @@ def save_chart(chart: Chart | HeatMap, path: PathLike | None = None, *, title: s
         Its suffix says PNG, SVG or PDF. Written to a temporary name beside it and renamed. Left
         out, nothing is written.
     title
+    ax
+        Axes of matplotlib to draw in, polar ones of a chart that is; the legend is within them.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        It belongs to no window; or that of ``ax``.
 
     Raises
     ------
     FormatError
         Another suffix, or the file cannot be written.
+    InputError
+        ``ax`` are no axes, or of another kind.
     """
     if isinstance(chart, HeatMap):
         head = f"{title}\n{chart.title}" if title else chart.title
-        return save_plot(path, lambda: _map_figure(chart, head))
-    return save_plot(path, lambda: _chart_figure(chart, title))
+        return save_plot(path, lambda: _map_figure(chart, head, ax))
+    return save_plot(path, lambda: _chart_figure(chart, title, ax))
 
 
 def chart_png(chart: Chart | HeatMap) -> tuple[bytes, tuple[int, int]]:
@@ -80,9 +117,9 @@ def chart_png(chart: Chart | HeatMap) -> tuple[bytes, tuple[int, int]]:
     return made.getvalue(), (round(150.0 * wide), round(150.0 * high))
 
 
-def _map_figure(chart: HeatMap, title: str) -> Figure:
+def _map_figure(chart: HeatMap, title: str, inside: Axes | None) -> Figure:
     """Cells that are darker where values are larger, with their values where there is room."""
-    figure, axes = _axes(title)
+    figure, axes = _axes(title, inside)
     axes.set(xlabel=chart.across, ylabel=chart.up)
     drawn = axes.imshow(chart.values, origin="lower", aspect="auto", cmap="YlGnBu")
     figure.colorbar(drawn, ax=axes, label=chart.quantity)
@@ -100,12 +137,15 @@ def _map_figure(chart: HeatMap, title: str) -> Figure:
     return figure
 
 
-def _chart_figure(chart: Chart, title: str) -> Figure:
+def _chart_figure(chart: Chart, title: str, inside: Axes | None) -> Figure:
     head = "\n".join(one for one in (title, chart.caption) if one)
-    figure, axes = _axes(head, "polar" if chart.polar else None)
+    figure, axes = _axes(head, inside, "polar" if chart.polar else "rectilinear")
     draw_chart(axes, chart)
     if any(one.label for one in chart.marks):
         handles = axes.get_legend_handles_labels()
+        if inside is not None:
+            inside.legend(*handles, frameon=False, fontsize=9)
+            return figure
         figure.legend(*handles, loc="outside lower center", ncol=3, frameon=False, fontsize=9)
     return figure
 

@@ -22,7 +22,7 @@ from drystone.assembly import Assembly
 from drystone.base.errors import InputError
 from drystone.base.units import quantity
 from drystone.models import arch, box, tower
-from drystone.view import save_figure, scene_of
+from drystone.view import save_chart, save_figure, scene_of
 from drystone.view.exploded import taken_apart
 from drystone.view.figure import draw
 from drystone.view.palette import first_preset
@@ -293,8 +293,15 @@ def test_a_figure_is_drawn_in_axes_beside_others() -> None:
     assert left.get_title() == "Stands"
     assert left.collections
     assert not right.collections
-    with pytest.raises(InputError, match=r"ax: .* drawn as a chart"):
-        drystone.save_figure(drystone.limits.tilt_sweep(drystone.Model.of(tower(2)), 2), ax=left)
+    sweep = drystone.limits.tilt_sweep(drystone.Model.of(tower(2)), 2)
+    with pytest.raises(InputError, match="needs polar axes, and ax is rectilinear"):
+        drystone.save_figure(sweep, ax=right)
+    polar = Figure().add_subplot(projection="polar")
+    for drawn in (drystone.save_figure, lambda one, ax: save_chart(one.figure(), ax=ax)):
+        polar.clear()
+        assert drawn(sweep, ax=polar) is polar.figure
+        assert polar.lines
+        assert polar.get_title()
 
 
 def test_a_picture_shows_the_ground_as_a_plate_and_tells_the_size_of_what_stands_on_it() -> None:
