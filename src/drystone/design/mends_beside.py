@@ -116,7 +116,7 @@ def _by_force(
 
 
 def _steady(bench: Bench, block: int, force: Floats, point: Floats) -> str:
-    """The least steady force that holds a region which a prop holds that cannot give way."""
+    """The least steady force of a jack that holds a region, at most that of the prop."""
     if bench.large or bench.margin != DesignMargin():
         return ""
     local = bench.local
@@ -125,9 +125,9 @@ def _steady(bench: Bench, block: int, force: Floats, point: Floats) -> str:
     def stands(share: float) -> bool:
         return bench.keeps_margin(local.with_load(local.load + share * push), quick=True)
 
-    share = least(stands, (1.0,))
-    size = quantity(rounded_up((share or 0.0) * math.hypot(*force), 2), "N")
-    return f"; the least steady force there is {size}" if share else ""
+    share, size = least(stands, (1.0,)) or 0.0, math.hypot(*force)
+    told = quantity(min(rounded_up(share * size, 2), size), "N")
+    return f"; a jack that pushes by a steady {told} holds it" if share else ""
 
 
 _Ends: TypeAlias = tuple[int, int]

@@ -181,7 +181,7 @@ class _WholeCheck:
         return Changed(model, made, found.result, stands, kept.description, (kept,))
 
     def _sized(self, found: _Held) -> str:
-        """What props are sized for that do not give: the largest force of one in the whole.
+        """What posts bear that do not give: the largest force of one in the whole.
 
         There the blocks around the region give way too. With a margin only if it is more than told.
         """
@@ -191,8 +191,8 @@ class _WholeCheck:
         most = float(lengths(found.result.resultants.force[-count:]).max())
         if self.bench.margin != DesignMargin() and count * most <= 1.005 * found.value:
             return ""
-        who = "they do not give, size each" if count > 1 else "it does not give, size it"
-        return f"; if {who} for {quantity(most, 'N')}"
+        bears = "bears at most" if count > 1 else "bears"
+        return f"; a post that does not give {bears} {quantity(most, 'N')}"
 
     def _least(self) -> _Held | None:
         """The structure with the least value with which it stands, else stands after settling."""
