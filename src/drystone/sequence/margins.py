@@ -102,21 +102,17 @@ class Margins(Answer):
             down = [
                 f"this order works down to friction {rounded_up(self.least_friction):g}",
                 "found to {:g} of friction and {:g} degrees of tilt".format(*self.widths),
-                *self._other_order(),
+                *self._needier(),
             ]
         return [Sentence(self.title, role), *map(Sentence, down)]
 
-    def _other_order(self) -> list[str]:
-        """How to look for an order with more margin, where a stage needs more than the whole."""
+    def _needier(self) -> list[str]:
+        """The stage that needs most friction, where it needs more than the whole."""
         need = [one.least_friction for one in self.stages]
         if not need or not need[-1] + self.widths[0] < self.least_friction:
             return []
-        whole, least = rounded_up(need[-1]), rounded_up(need[-1] + self.widths[0], 2)
-        step = need.index(self.least_friction) + 1
-        return [
-            f"step {step} needs more friction than the complete structure, {whole:g}: a plan with "
-            f"--friction {least:g}, or more, has an order that may need less; give it as --order"
-        ]
+        step, whole = need.index(self.least_friction) + 1, rounded_up(need[-1])
+        return [f"step {step} needs more friction than the complete structure, {whole:g}"]
 
     def tables(self) -> Sequence[Table]:
         """The margins of every stage."""

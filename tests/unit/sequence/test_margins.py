@@ -40,11 +40,10 @@ def test_each_stage_of_a_stack_tilts_to_its_closed_form(stack):
     assert found.sentences()[-1].text == "found to 0.01 of friction and 0.2 degrees of tilt"
 
 
-def test_where_a_stage_needs_more_friction_than_the_whole_another_order_is_advised(stack):
+def test_the_stage_is_told_that_needs_more_friction_than_the_whole(stack):
     whole = Margin(0.0078, 30.0)
     told = Margins(stack, (whole, Margin(0.4063, 9.0), whole)).sentences()[-1].text
-    assert told.startswith("step 2 needs more friction than the complete structure, 0.0078: ")
-    assert "a plan with --friction 0.018, or more" in told
+    assert told == "step 2 needs more friction than the complete structure, 0.0078"
     even = Margins(stack, (whole, Margin(0.0156, 9.0), whole)).sentences()[-1].text
     assert even.startswith("found to")
 
