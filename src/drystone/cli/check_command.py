@@ -105,15 +105,17 @@ def check(
     wanted.require_through(model.assembly)
     result = safe(solve(model, waiting, time_limit, strict), waiting)
     why = mend_command.short(result, waiting)
-    then = "mend" if why else ""
+    then = ["mend"] if why else []
     if result.stable and result.tilt_margin is None:
         from drystone.loads.applied import is_vertical
 
         still = "limit train" if model.load.fills else "limit shrink"
-        then = "limit tilt" if is_vertical(model.load) else still
+        then = ["limit tilt" if is_vertical(model.load) else still]
+        rubs = result.friction_margin is None and model.contacts.plain.all()
+        then += ["limit friction"] * bool(rubs)
     return Told(
         result, why, exit_code=exit_code(result, strict), notes=result.model.notes,
-        files=partial(wanted.of, result), then=subject.command(then) if then else "",
+        files=partial(wanted.of, result), then="; ".join(map(subject.command, then)),
     )  # fmt: skip
 
 

@@ -50,6 +50,7 @@ RESULT = (
     *(
         "tilt_margin",
         "tilt_about",
+        "friction_margin",
         "crushing_factor",
         "sensitive_to",
         "stopped",
@@ -275,6 +276,7 @@ def _result(
         eta=field["eta"].number() if field.has("eta") else None,
         tilt_margin=_number(field, "tilt_margin"),
         tilt_about=field.get("tilt_about", "").text(),
+        friction_margin=_number(field, "friction_margin"),
         crushing_factor=_number(field, "crushing_factor"),
         stopped=field.get("stopped", "").text(),
     )

@@ -154,6 +154,7 @@ def _result_content(result: Result, load: int, arrays: dict[str, Any]) -> dict[s
         "eta": result.eta,
         "tilt_margin": result.tilt_margin,
         "tilt_about": result.tilt_about,
+        "friction_margin": result.friction_margin,
         "crushing_factor": result.crushing_factor,
         "sensitive_to": [one.name.lower() for one in result.sensitive_to],
         "stopped": result.stopped,

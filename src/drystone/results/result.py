@@ -31,7 +31,7 @@ from drystone.joints import (
     thrust_line,
 )
 from drystone.loads.applied import is_vertical, loads_apart
-from drystone.results.solution import Sensitivity, Solution, reaction_table
+from drystone.results.solution import MARGINS, Sensitivity, Solution, reaction_table
 from drystone.results.stage import stage_of
 from drystone.supports import own_blocks
 from drystone.ties import joint_words
@@ -87,6 +87,10 @@ class Result(Solution, Answer):
         said = []
         if self._safety:
             said.append(Sentence(f"safety: {self._safety}: a bound, it may fall before"))
+        if self._rubbing:
+            said.append(
+                Sentence(f"friction: forces balance the loads {self._rubbing}: a bound too")
+            )
         if self.verdict is Verdict.STABLE and self.force is not None:
             said += self._strength()
             said += [Sentence(self.zero_margin), Sentence(self.corners_needed), *self._foot()]
@@ -121,6 +125,13 @@ class Result(Solution, Answer):
         least = f" (least along {along})" if along else ""
         words = f"forces balance a push along x or y of {push:g} of the weight of blocks and what"
         return f"{words} they carry, on top of the loads{least}"
+
+    @property
+    def _rubbing(self) -> str:
+        share = self.friction_margin
+        if share is None:
+            return ""
+        return f"with {rounded_up(share):g} times that of the joints" if share else "without any"
 
     def _strength(self) -> list[Sentence]:
         """How much of its strength the most pressed joint uses, and the loads at which it crushes.
@@ -192,7 +203,10 @@ class Result(Solution, Answer):
     def layers(self) -> Scene:
         """What falls and how it begins, or the forces inside."""
         stage, facts = self.stage(), self.asked.facts()
-        facts |= {"Safety": self._safety} if self._safety else {}
+        rubbing = f", friction margin: {self._rubbing}" if self._rubbing else ""
+        facts |= {"Safety": self._safety + rubbing} if self._safety else {}
+        if self.stable and len(self.model) > MARGINS:
+            facts |= {"Safety": "drystone limit tilt and drystone limit friction tell its margins"}
         title = f"drystone: {stage.headline.lower()}"
         return Scene(self.assembly, self.contacts, (stage,), title, facts)
 
@@ -220,6 +234,7 @@ class Result(Solution, Answer):
             ],
             "tilt_margin": self.tilt_margin,
             "tilt_about": self.tilt_about,
+            "friction_margin": self.friction_margin,
             "strength_use": float(self.strength_use.max(initial=0.0)) or None,
             "crushing_factor": self.crushing_factor,
             "stopped": self.stopped,

@@ -47,6 +47,11 @@ class Sensitivity(enum.StrEnum):
     neither that it holds them nor that it does not."""
 
 
+MARGINS = 150
+"""Blocks up to which a check tells margins by itself. Measured: 0.23 s of CPU time for the tilt of
+a vault of 97 blocks and 0.16 s for its friction; 2.2 s for the tilt of one of 399."""
+
+
 @dataclass(frozen=True)
 class Samples:
     """Contact stiffness distributions tried, and how many let the structure come to rest."""
@@ -95,6 +100,9 @@ class Solution(MayStop, OfModel, OneLine):
         Up to which forces balance the loads, however it is tilted about x and y, where that was
         asked, and the name of the axis of the least tilt. Necessary for standing, as a limit of
         tilt that is checked by rest may be less.
+    friction_margin
+        Share of the friction of all joints with which forces balance the loads, where that was
+        asked. Necessary for standing too.
     crushing_factor
         Factor on all loads up to which forces within the strength of the joints balance them, where
         joints crush and that was asked.
@@ -117,6 +125,7 @@ class Solution(MayStop, OfModel, OneLine):
     eta: float | None = None
     tilt_margin: float | None = None
     tilt_about: str = ""
+    friction_margin: float | None = None
     crushing_factor: float | None = None
     settlement: Any = None
     options: Any = None

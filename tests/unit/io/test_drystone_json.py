@@ -76,6 +76,7 @@ def full_model() -> io.Contents:
         eta=1.0 / 3.0,
         tilt_margin=20.0 / 3.0,
         tilt_about="-y",
+        friction_margin=2.0 / 3.0,
         options={"eta": 10.0},
         solver="newton 1",
         iterations=12,

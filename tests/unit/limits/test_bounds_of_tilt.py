@@ -70,3 +70,18 @@ def test_the_page_of_a_check_has_the_margin_that_the_command_tells(
     for page in ("python.html", "command.html"):
         told = "forces balance a tilt about x or y of 26.56 degrees"
         assert told in Path(page).read_text("utf-8"), page
+
+
+def test_the_margin_of_friction_is_told_beside_that_of_tilt_and_large_models_name_commands() -> (
+    None
+):
+    """A block on a slope of 1 in 4 slides at a friction of 0.25."""
+    slope = drystone.Model.of(tower(2), friction=0.5).with_load((9.81 / 4, 0.0, -9.81))
+    found = with_margins(drystone.check(slope))
+    assert found.friction_margin == pytest.approx(0.5, abs=1e-3)
+    assert any("with 0.5" in one.text for one in found.sentences())
+    assert "friction margin: with 0.5" in found.layers().facts["Safety"]
+    many = drystone.Model.of(tower(151), friction=0.5)
+    stands = with_margins(drystone.check(many))
+    assert (stands.tilt_margin, stands.friction_margin) == (None, None)
+    assert "drystone limit friction" in stands.layers().facts["Safety"]
