@@ -523,6 +523,8 @@ def test_ground_below_fixed_ends_keeps_fill_from_the_foot_of_a_pier() -> None:
     bridge = Assembly([*banks, ground, deck, pier], [True, True, True, False, False])
     load = Fill(cover=0.5, weight=18e3, k=0.3).on(bridge)
     assert load.wrench[3:, :3] == pytest.approx(np.array([[0.0, 0.0, -27e3], [0.0, 0.0, 0.0]]))
+    (note,) = load.notes
+    assert note.startswith("the ground below fixed blocks keeps fill from upright faces of pier:")
 
 
 def test_earth_presses_as_rankine_says_to_the_third_of_its_height() -> None:

@@ -131,8 +131,8 @@ def _refuse_farther(model: Model, to: float | None) -> None:
 
 
 LARGE = 0.1
-"""Motion of a support by the mean size of a block from which on it is followed. Chosen: an
-arch of 36 voussoirs falls at three times as much."""
+"""Motion of a support by the mean size of a free block from which on the answer is that of finite
+steps. Chosen."""
 
 
 @command(
@@ -169,7 +169,8 @@ def settle(
 ) -> Told:
     """Where the blocks come to rest; with --move, which joints open when supports move.
 
-    A motion that is not small beside the blocks is followed by finite steps, as with --to.
+    Where supports move, the blocks are followed too: the answer is that of finite steps where they
+    fall on the way, or where the motion is large beside them.
 
     Exit code 0: the blocks come to rest, or follow the supports up to --to. 1: they do not. 2: bad
     input.
@@ -205,15 +206,20 @@ def settle(
             found = settlement.move_supports(model, to=to, **common)
         else:
             waiting.stage("solve", "settling")
-            found = first = settlement.support_response(model, options=small)
-            if first.size > LARGE * model.assembly.size.mean():
-                if wanted.joints or wanted.corners:
-                    raise InputError(
-                        "the motion is large, and tables of joints are of small ones",
-                        remedy="leave them out: then the blocks are followed by finite steps",
-                    )
+            found = settlement.support_response(model, options=small)
+            if found.code == 0 and found.size > 0.0:
                 waiting.stage("solve", "moving")
-                found = settlement.move_supports(model, **common)
+                followed = settlement.move_supports(model, **common)
+                large = found.size > LARGE * model.assembly.size[model.assembly.free].mean()
+                if large or followed.end is settlement.End.FALLS:
+                    if wanted.joints or wanted.corners:
+                        raise InputError(
+                            f"{followed.title}; tables of joints are of small motions",
+                            remedy="leave them out: then the blocks are followed by finite steps",
+                        )
+                    found = followed
+                elif followed.code:
+                    notes += (f"to first order; followed by finite steps: {followed.title}",)
     return Told(found, notes=notes, files=partial(wanted.of, found))
 
 

@@ -402,12 +402,16 @@ class Roadway:
         """Which upright faces it presses, and which not."""
         axes, slit = self.strips.axes, _SLIT * self.breadth
         middle = np.average(self.above.s.mean(axis=1), weights=self.above.area)
-        skew, below, bare = [], [], []
+        skew, below, bare, kept = [], [], [], []
         for way, seen in enumerate(self.beside):
             eye = seen.axes[2]
             below.append(seen.block[self._covered((seen.middle + slit * eye) @ axes.T)])
             if way < 2:
                 skew.append(seen.block[np.abs(seen.normal @ axes[1]) > 1.0 / _PLUMB])
+                every = self._behind(self._steps[way][0])  # with no ground below what is fixed
+                areas = (np.bincount(one.block, one.area, len(self.assembly.fixed))
+                         for one in (every, seen))  # fmt: skip
+                kept.append(np.flatnonzero(np.subtract(*areas) > slit**2))
             every = SeenStrips.all_of(self.assembly, seen.axes)
             away = (every.middle @ axes.T - [self.middle, middle, 0.0]) @ axes @ eye
             held = away > 0.0 if way < 2 else away < slit
@@ -418,7 +422,7 @@ class Roadway:
             if way < 2:
                 open_ &= (near[:, 1] > self._sides[0]) & (near[:, 1] < self._sides[1])
             bare.append(np.setdiff1d(every.block[open_], seen.block))
-        several = ([one.block for one in self.beside], skew, below, bare)
+        several = ([one.block for one in self.beside], skew, below, bare, kept)
         each = (
             named([self.assembly.names[i] for i in np.unique(np.concatenate(some))], 2)
             for some in several
@@ -429,6 +433,8 @@ class Roadway:
             "fill below what juts out presses {}; its weight there is left out",
             "no fill is seen before upright faces of {}: it does not press them; see 'between', or "
             "check them by hand",
+            "the ground below fixed blocks keeps fill from upright faces of {}: check them by hand "
+            "where fill goes on below those",
         )
         return tuple(told.format(names) for told, names in zip(words, each, strict=True) if names)
 

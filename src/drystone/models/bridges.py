@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -15,8 +16,12 @@ from drystone.base.arrays import Floats, frozen_floats
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
 from drystone.base.files import read_bytes
+from drystone.base.units import scale_of
 from drystone.io.dxf import read_polyline
 from drystone.models.simple import box, prism, require
+
+_WIDEST = 200.0
+"""[m]: no arch of stone spans as much."""
 
 
 def segmental_bridge(
@@ -205,6 +210,11 @@ class Measured(OneLine):
         given = frozen_floats(self.point, (None, 2), "points of the intrados")
         require(len(given) > 2, counted(len(given), "point"), "give three or more, x and z")
         require(bool((np.diff(given[:, 0]) > 0.0).all()), "its x does not grow", "left to right")
+        span = float(given[-1, 0] - given[0, 0])
+        require(
+            span <= _WIDEST, f"it spans {span:g} m",
+            "give metres, or the unit: x [mm], z [mm] above the columns of a CSV, or that of a DXF",
+        )  # fmt: skip
         object.__setattr__(self, "point", given)
 
     @classmethod
@@ -220,11 +230,14 @@ class Measured(OneLine):
         if path.suffix.lower() == ".dxf":
             found = read_polyline(read_bytes(path), path)
             return cls(found if found[0, 0] < found[-1, 0] else found[::-1])
-        lines = text.split()
+        lines, scale = text.split(), 1.0
         if path.suffix.lower() in (".csv", ".txt"):
             lines = read_bytes(path).decode("utf-8", "replace").replace(";", ",").split("\n")
             lines = [line for line in lines if line.strip()]
-            lines = lines[bool(lines) and not any(map(str.isdigit, lines[0])) :]  # without a header
+            header = lines[0] if lines and not any(map(str.isdigit, lines[0])) else ""
+            lines = lines[bool(header) :]
+            unit = re.search(r"\[\s*(\w+)\s*\]", header)
+            scale = scale_of(unit[1]) if unit else 1.0
         point = []
         for line in lines:
             try:
@@ -236,7 +249,7 @@ class Measured(OneLine):
                     "or points '0,0 3,1.5 6,0'",
                 ) from error
             point.append((x, z))
-        return cls(np.array(point).reshape(-1, 2))
+        return cls(scale * np.array(point).reshape(-1, 2))
 
     def _summary(self) -> str:
         return counted(len(self.point), "point")

@@ -53,9 +53,13 @@ def test_the_polyline_of_a_drawing_is_an_intrados(tmp_path: Path) -> None:
     assert radius == pytest.approx(np.full(len(radius), 3.0))
     table = tmp_path / "ring.csv"
     rows = [f"{x},{z}" for x, z in measured.point]
-    for header in ([], ["x [m],z [m]"]):
+    for header in ([], ["x,z"], ["x[mm],z[mm]"]):
         table.write_text("\n".join([*header, *rows]), "utf-8")
-        assert Measured.named(str(table)).point == pytest.approx(measured.point)
+        scale = 1e-3 if "mm" in str(header) else 1.0
+        assert Measured.named(str(table)).point == pytest.approx(scale * measured.point)
+    table.write_text("x,z\n0,0\n3000,1500\n6000,0", "utf-8")
+    with pytest.raises(InputError, match=r"it spans 6000 m; give metres, or the unit: x \[mm\]"):
+        Measured.named(str(table))
     table.write_text("0,0\n3;one\n6,0", "utf-8")
     with pytest.raises(InputError, match="'3,one' is not X,Z"):
         Measured.named(str(table))
