@@ -175,11 +175,8 @@ def settle_for_verdict(
     goes from there, the structure does not stand. ``felt``, ``falls``, ``near``: see
     :class:`FollowedCase`.
     """
-    chosen, clock, begun = (
-        SettlementOptions.of(options),
-        Clock(float("inf"), stop, workers=executor),
-        bool(falls),
-    )
+    chosen, clock = SettlementOptions.of(options), Clock(float("inf"), stop, workers=executor)
+    begun = any(one in falls for one in carriers_of(model, chosen)) if falls else False
     left_at = chosen.rest_within if len(model.assembly.free) > FEW else np.inf
     follow = partial(_carried, model, None, chosen, clock, left_at, felt, near=near)
     found = follow(falls)
