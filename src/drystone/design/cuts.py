@@ -328,8 +328,10 @@ def recut_joints(
     elif clock.late() or tried >= chosen.most:
         words = f"{clock.reason or 'the limit of changes was reached'} before all was free"
     else:
-        words = "no change that is tried needs less help"
+        words = f"no {'further ' if best.changes else ''}change that is tried needs less help"
     words += f": {counted(len(best.changes), 'joint')} changed, {counted(tried, 'change')} tried"
+    if best.changes and any(best.rank):
+        words += f"; {best.rank}, before {first.rank}"
     return Buildable(best.model, best.plan, best.changes, (words,), tried, first.rank)
 
 
@@ -364,7 +366,8 @@ def _changes(
         order = joints[np.argsort(-level[joints], kind="stable")].tolist()
         for size, joint, kind, sign in product(angles, order, ("turn", "wedge"), (1.0, -1.0)):
             ends = names[block], names[other[joint]]
-            yield block, beside, joint, Kept(kind, ends, why, sign * size)
+            words = f"{sign * size:g} degrees; {why}"
+            yield block, beside, joint, Kept(kind, ends, words, sign * size)
 
 
 def _placed_before(found: Plan, block: int) -> Bools:

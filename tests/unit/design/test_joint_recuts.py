@@ -52,6 +52,8 @@ def test_it_ends_and_tells_why():
     found = recut_joints(column, friction=0.12, options=RecutOptions(most=2))
     assert found.message.startswith("the limit of changes was reached before all was free")
     assert (found.tried, len(found.changes)) == (2, 1)
+    assert found.message.endswith("; 1 block propped, 0 held, before 2 blocks propped, 0 held")
+    assert found.changes[0].description.startswith("-10 degrees; without help: ")
     found = recut_joints(column, friction=0.12, stop=lambda: True)
     assert not found.free
     assert found.message.startswith("it was interrupted before all was free")
