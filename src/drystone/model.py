@@ -314,6 +314,7 @@ class Model(Card):
     def with_report(self, report: ContactReport) -> Model:
         """The same model with what the search that found its contacts says of them."""
         said = (
+            *report.bridged,
             *inexact_lines(self.assembly.names, report.inexact),
             *resampled_lines(report.resampled),
             *overlap_lines(self.assembly.names, report.overlaps_left),

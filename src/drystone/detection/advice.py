@@ -237,7 +237,7 @@ def words_on(unjoined: Sequence[Missed], names: Sequence[str]) -> str:
     if not needed:
         return f"{said}; draw them so that they touch, or far apart"
     options = " ".join(f"--{name} {option_for(value):g}" for name, value in needed.items())
-    return f"{said}; join them with {options}, or draw them far apart"
+    return f"{said}; join them with {options}, or draw a gap that is meant wider: no option says so"
 
 
 def _needed(unjoined: Sequence[Missed]) -> dict[str, float]:

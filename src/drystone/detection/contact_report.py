@@ -206,6 +206,15 @@ class ContactReport(Card):
             farther=self.farther,
         )
 
+    @property
+    def bridged(self) -> list[str]:
+        """A sentence on gaps, from a micrometre on, that a given tolerance makes joints."""
+        widest, default = self.interfaces.gap.max(initial=0.0), DetectionOptions()
+        given = self.options.gap_length is not None or self.options.gap > default.gap
+        if not given or round(widest, 6) <= 0.0:
+            return []
+        return [f"joints across gaps of up to {millimetres(widest)} mm count as touching"]
+
     def summary(self) -> list[str]:
         """The report as lines of text."""
         lines = [

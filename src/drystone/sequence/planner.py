@@ -459,7 +459,7 @@ def _refusal(complete: StageAnswer, names: Sequence[str]) -> str:
     words = falling_words(complete, names)
     words = f": {words.removesuffix('; ')}" if words else ""
     if complete.verdict is Verdict.UNSTABLE:
-        remedy = "mend it, or plan it --anyway, with props that stay"
+        remedy = "change it with drystone mend, or plan it --anyway, with props that stay"
         return f"the complete structure does not stand{words}; {complete.message}; {remedy}"
     return (
         f"the complete structure was not shown to stand{words}; {complete.message}; a thorough "

@@ -81,7 +81,9 @@ def test_a_block_that_touches_nothing_at_first_settles_onto_what_is_near() -> No
 
 
 def test_the_option_that_is_named_joins_the_pair() -> None:
-    assert check(above(0.02), detection=DetectionOptions(gap=0.021)).stable
+    found = check(above(0.02), detection=DetectionOptions(gap=0.021))
+    assert found.stable
+    assert found.model.notes == ("joints across gaps of up to 20 mm count as touching",)
 
 
 def test_a_block_far_above_another_falls() -> None:
