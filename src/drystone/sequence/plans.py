@@ -342,7 +342,7 @@ class Plan(PlannedSteps, Answer):
         return (
             number + 1, names[block], self.status[block].value, partners, robot,
             float(np.linalg.norm(step.hold(block)[:3])), prop.force if prop else 0.0,
-            prop.first + 1 if prop else 0, (prop.last + 2) % (len(self) + 1) if prop else 0,
+            prop.first + 1 if prop else None, (prop.last + 2) % (len(self) + 1) if prop else None,
             len(step.props), step.answer.used, "zero" if number in self.on_edge else "",
         )  # fmt: skip
 

@@ -457,6 +457,7 @@ def test_a_plan_with_props_names_turns_without_and_what_is_proved() -> None:
     props = [row[one["block"]] for one in found.numbers()["props"]]
     assert columns["prop_set"][props].tolist() == [3, 4, 5]
     assert columns["prop_goes"][props].tolist() == [4, 5, 8]
+    assert columns["prop_goes"].tolist().count(None) == len(row) - 3
     gone = [
         [one.step for one in work.placements if name in work.props_removed(one)]
         for work in [handling(found)]
