@@ -234,6 +234,9 @@ def _sooner_ones(model: Model, part: Ints, along: Floats, least: float) -> list[
             if sooner < (1.0 - _CLOSE) * least and not pressed.any():
                 least, names = sooner, named([model.assembly.names[i] for i in own])
                 told = [f"{name} turns sooner, at {sooner:.4g} g: {names}"]
+                if out.any():
+                    told.append("while an upright joint slides both may turn sooner still: leave "
+                                "out --part to ask all blocks at once")  # fmt: skip
     return told
 
 
