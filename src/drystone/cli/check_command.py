@@ -211,12 +211,13 @@ def settle(
                 waiting.stage("solve", "moving")
                 followed = settlement.move_supports(model, **common)
                 large = found.size > LARGE * model.assembly.size[model.assembly.free].mean()
-                if large or followed.end is settlement.End.FALLS:
-                    if wanted.joints or wanted.corners:
-                        raise InputError(
-                            f"{followed.title}; tables of joints are of small motions",
-                            remedy="leave them out: then the blocks are followed by finite steps",
-                        )
+                tables = bool(wanted.joints or wanted.corners)
+                if tables and followed.end is settlement.End.FALLS:
+                    raise InputError(
+                        f"{followed.title}; tables of joints are of what stands, to first order",
+                        remedy="leave them out",
+                    )
+                if followed.end is settlement.End.FALLS or (large and not tables):
                     found = followed
                 elif followed.code:
                     notes += (f"to first order; followed by finite steps: {followed.title}",)

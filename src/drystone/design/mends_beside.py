@@ -163,9 +163,11 @@ def tie(asked: KnownNeeds) -> Proposals:
         for (i, j), force in zip(ties, forces, strict=True):
             far, pull = np.linalg.norm(centroid[i] - centroid[j]), math.hypot(*force)
             between = f"the middles of {names_of(local, [i, j])}, {far:.3g} m apart"
-            between += " through their joint" * through([(i, j)])
             free = in_the_open(bench.model.assembly, *bench.blocks[[i, j]].tolist())
-            between += f", {free:.3g} m of it in the open" if free > 0.01 * far else ""
+            if through([(i, j)]):
+                between += " through their joint"
+            elif free > 0.01 * far:
+                between += f", {free:.3g} m of it in the open"
             told.append(f"{quantity(pull, 'N')} between {between}")
         what = "dowel" if through(ties) == len(ties) else "tie"
         several = f"{len(told)} {what}s that pull" if len(told) > 1 else f"a {what} that pulls"

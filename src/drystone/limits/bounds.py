@@ -290,10 +290,12 @@ def tilt_margin(
 def friction_margin(model: Model, stop: Stop | None = None) -> float | None:
     """The share of the friction of all joints with which forces balance the loads.
 
-    None of more than :data:`MARGINS` blocks, and of joints that do more than press and rub.
+    None of more than :data:`MARGINS` blocks, of joints that do more than press and rub, and where
+    no block is free.
     """
     plain, rubs = model.contacts.plain, model.contacts.friction
-    if len(model) > MARGINS or not (plain.all() and rubs.any()):
+    few = 0 < len(model.assembly.free) <= len(model) <= MARGINS
+    if not (few and plain.all() and rubs.any()):
         return None
     share = Friction(model, True)
     cone = FrictionCone.exact()

@@ -75,7 +75,7 @@ def test_every_family_is_built_without_being_told_more(capsys: Capsys) -> None:
             "--set bond: is 'english'; use one of running, toothed, stack",
         ),
         (["wall", "--set", "ground=yes"], "--set ground: "),
-        (["wall", "--set", "size=a,b"], "--set size: 'a' is not a number"),
+        (["wall", "--set", "size=a,b"], "--set size: length 'a' is not a number"),
         (["arch", "--set", "voussoirs=1.5"], "not a whole number"),
         (["arch", "--set", "colour=1"], "no parameter 'colour'"),
         (["arch", "--out", "arch.doc"], "--out: 'arch.doc' does not end in"),

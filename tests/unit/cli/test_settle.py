@@ -142,7 +142,7 @@ def test_what_falls_on_the_way_of_a_support_is_no_settlement(
     assert main(far) == 1
     assert "it falls at 20" in capsys.readouterr().out
     assert main([*far, "--joints", str(tmp_path / "joints.csv")]) == 2
-    assert "tables of joints are of small motions" in capsys.readouterr().err
+    assert "tables of joints are of what stands" in capsys.readouterr().err
 
 
 def test_without_a_motion_the_blocks_are_followed_until_they_rest_or_fall(

@@ -31,8 +31,8 @@ def test_joints_are_open_by_the_allowance_along_their_normal(made: type) -> None
     before = made()
     after = joint_allowance(model(before), SANDPAPER)
     found = find_contacts(after).report
-    assert len(found.gap) > 0
-    np.testing.assert_allclose(found.gap, SANDPAPER, rtol=0, atol=1e-9)
+    assert len(found.interfaces.gap) > 0
+    np.testing.assert_allclose(found.interfaces.gap, SANDPAPER, rtol=0, atol=1e-9)
     assert found.overlaps == ()
     assert self_contacts([b.vertices for b in after], [b.faces for b in after]) == []
     assert (after.volume <= before.volume).all()
@@ -43,8 +43,8 @@ def test_notched_blocks_are_cut_back_behind_each_face_of_a_joint() -> None:
     before = model(burr())
     after = joint_allowance(before, SANDPAPER)
     found = find_contacts(after).report
-    assert len(found.gap) == before.contacts.count
-    np.testing.assert_allclose(found.gap, SANDPAPER, rtol=0, atol=1e-8)
+    assert len(found.interfaces.gap) == before.contacts.count
+    np.testing.assert_allclose(found.interfaces.gap, SANDPAPER, rtol=0, atol=1e-8)
     assert found.overlaps == ()
 
 
