@@ -518,7 +518,7 @@ def limit_train(
         TOML file (axle).
     fill
         Such as ``cover=0.3m,weight=20kN/m3,spread=2:1,k=0.3,passive=1``; that of the load, or
-        none, when left out.
+        none, when left out: then axles do not spread.
     steps
         Places of its middle, from where its first axle comes to where its last one leaves. Each is
         a conic program: more take longer, and may find other mechanisms.
@@ -551,7 +551,7 @@ def limit_train(
     added, fill = fill is not None, known[0] if known else fill
     if steps < 1:
         raise InputError(f"{steps} places", where="steps", remedy="give one or more")
-    tops = Tops.of(model.assembly, Fill(0.0, 0.0) if fill is None else fill)
+    tops = Tops.of(model.assembly, fill or Fill(0.0, 0.0, spread=0.0))
     low, high = tops.road.ends
     if carried.length > high - low:
         raise InputError(

@@ -131,7 +131,7 @@ class Result(Solution, Answer):
         share = self.friction_margin
         if share is None:
             return ""
-        return f"with {rounded_up(share):g} times that of the joints" if share else "without any"
+        return f"with {rounded_up(share):g} times the friction" if share else "without friction"
 
     def _strength(self) -> list[Sentence]:
         """How much of its strength the most pressed joint uses, and the loads at which it crushes.
@@ -203,7 +203,7 @@ class Result(Solution, Answer):
     def layers(self) -> Scene:
         """What falls and how it begins, or the forces inside."""
         stage, facts = self.stage(), self.asked.facts()
-        rubbing = f", friction margin: {self._rubbing}" if self._rubbing else ""
+        rubbing = f", and the loads {self._rubbing}" if self._rubbing else ""
         facts |= {"Safety": self._safety + rubbing} if self._safety else {}
         if self.stable and len(self.model) > MARGINS:
             facts |= {"Safety": "drystone limit tilt and drystone limit friction tell its margins"}

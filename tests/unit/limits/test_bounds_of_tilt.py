@@ -80,7 +80,7 @@ def test_the_margin_of_friction_is_told_beside_that_of_tilt_and_large_models_nam
     found = with_margins(drystone.check(slope))
     assert found.friction_margin == pytest.approx(0.5, abs=1e-3)
     assert any("with 0.5" in one.text for one in found.sentences())
-    assert "friction margin: with 0.5" in found.layers().facts["Safety"]
+    assert "and the loads with 0.5" in found.layers().facts["Safety"]
     many = drystone.Model.of(tower(151), friction=0.5)
     stands = with_margins(drystone.check(many))
     assert (stands.tilt_margin, stands.friction_margin) == (None, None)

@@ -494,3 +494,13 @@ def test_the_load_behind_a_free_abutment_is_told_with_the_option_to_type() -> No
     (told,) = [one.text for one in found.sentences() if "behind free abutments" in one.text]
     assert "(side x)" in told
     assert told.endswith("--load earth:side=x,weight=0kN/m3,k=0.3,surcharge=9kPa")
+
+
+def test_an_axle_on_a_bare_ring_does_not_spread() -> None:
+    """It is a force on the voussoir below it, at any height."""
+    bridge = Model.of(segmental_bridge(voussoirs=10), friction=0.6)
+    quick = LimitOptions(equilibrium_only=True)
+    axle = Train("axle", (0.0,), (1e3,))
+    found = limit_train(bridge, train=axle, steps=3, options=quick)
+    alone = limit_load(bridge, f"voussoir-01:1kN@{found.places[0]},0.5,0.5", options=quick)
+    assert found.factors[0] == pytest.approx(alone.best.stands, rel=1e-3)
