@@ -164,7 +164,7 @@ def _as_before(model: Model, part: Contacts, before: Ints, after: Ints, gone: Bo
     for name, dry in DRY.items():
         whole = total(np.asarray(getattr(capacity, name)), was)[now]
         spread = np.where(whole < NO_LIMIT, whole * share, NO_LIMIT)
-        new = _usual_strength(capacity, old.area) * part.area if name == "compression" else dry
+        new = _usual_strength(old, capacity, part.area) if name == "compression" else dry
         strength[name] = np.where(known[now], spread, new)
     _refuse_lost(model, capacity, gone, *keys)
     part = part.with_friction(friction)
@@ -210,10 +210,11 @@ def usual_friction(model: Model) -> float:
     return float(np.median(friction)) if len(friction) else 0.6
 
 
-def _usual_strength(capacity: JointCapacity, area: Floats) -> float:
-    """The median stress [Pa] under which faces of areas (m,) [m2] crush; infinite where none do."""
-    stress = capacity.compression[area > 0.0] / area[area > 0.0]
-    return float(np.median(stress)) if (capacity.compression < NO_LIMIT).any() else NO_LIMIT
+def _usual_strength(old: Contacts, capacity: JointCapacity, area: Floats) -> Floats:
+    """What new areas [m2] bear [N] with the median stress under which the joints that do crush."""
+    weak = old.crushes & ~old.ties & (old.area > 0.0)
+    stress = capacity.compression[weak] / old.area[weak]
+    return float(np.median(stress)) * area if len(stress) else np.full(len(area), NO_LIMIT)
 
 
 def carried_load(model: Model, assembly: Assembly, kept: Ints) -> LoadCase:

@@ -261,6 +261,11 @@ def test_a_block_that_is_inserted_finds_its_contacts() -> None:
     crushing = insert_block(weak, hat).contacts
     assert crushing.capacity is not None
     assert crushing.capacity.compression.tolist() == pytest.approx(5e6 * crushing.area)
+    drawn = tied(model, 0, 1, strength=1e4)
+    for other in (drawn, model.with_capacity(JointCapacity.of(model.contacts, tension=1e3))):
+        small = insert_block(other, box((0.1, 0.1, 0.1), tuple(hat.vertices.min(axis=0)), "hat"))
+        assert small.contacts.capacity is not None
+        assert small.contacts.capacity.compression[-1] == NO_LIMIT
     with pytest.raises(InputError, match="same name"):
         insert_block(model, hat.renamed("block-0"))
 
