@@ -182,12 +182,6 @@ def settle(
             "no support moves", where="--move", remedy="write BLOCK:DX,DY,DZ, such as 0,0,-0.01"
         )
     _refuse_farther(model, to)
-    if time_limit is not None and model.load.motion is not None and to is None:
-        raise InputError(
-            "small motions of supports take no steps that could end early",
-            where="--time-limit",
-            remedy="leave it out, or add --to",
-        )
     if (to is not None or model.load.motion is None) and (wanted.joints or wanted.corners):
         raise InputError(
             "there is no table of joints or corners without --move, nor with --to",

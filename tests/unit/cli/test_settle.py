@@ -176,6 +176,8 @@ def test_a_person_reads_joints_supports_and_changes(model: str, capsys: Capsys) 
     assert out.startswith("SETTLED")
     for words in ("moved: b by 0, 0, -0.01 m", "joints that open: 1", "beam", "joints that sl"):
         assert words in out
+    assert main(["settle", model, *DROP, "--time-limit", "1e-9"]) == 0
+    assert "followed by finite steps: Not decided" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(
