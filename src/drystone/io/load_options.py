@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
@@ -153,10 +153,11 @@ class Loads:
             total = with_shaken_weights(assembly, total, gravity_size(gravity))
         of_file = total
         if self._added:
-            extra = added(self._added, assembly, gravity, self.shaken)
-            total = total + extra
-            if cases and _has(assembly, of_file, extra):
-                notes.append(f"'{extra.name}' {TWICE}")
+            each = _each(self._added, assembly, gravity, self.shaken)
+            total = total + (extra := _sum(each))
+            had = partial(_has, assembly, of_file)
+            twice = [extra] if had(extra) else filter(had, each)
+            notes += [f"'{one.name}' {TWICE}" for one in twice if cases]
         if self.seismic is not None:
             if of_file.shake.any():
                 notes.append(f"an earthquake {TWICE}")
@@ -184,6 +185,14 @@ def added(given: Any, assembly: Assembly, gravity: Any = None, shaken: bool = Fa
     InputError
         One cannot be read.
     """
+    return _sum(_each(given, assembly, gravity, shaken))
+
+
+def _sum(each: Sequence[LoadCase]) -> LoadCase:
+    return LoadCase.combine([(1.0, one) for one in each], " + ".join(one.name for one in each))
+
+
+def _each(given: Any, assembly: Assembly, gravity: Any, shaken: bool) -> list[LoadCase]:
     each = [given] if isinstance(given, str | Mapping) else given
     if not isinstance(each, list | tuple):
         remedy = "give words, such as block-1:5kN, or parts as in our JSON"
@@ -197,7 +206,7 @@ def added(given: Any, assembly: Assembly, gravity: Any = None, shaken: bool = Fa
     if shaken:
         size = gravity_size(gravity)
         cases = [with_shaken_weights(assembly, one, size, one.acceleration) for one in cases]
-    return LoadCase.combine([(1.0, one) for one in cases], " + ".join(one.name for one in cases))
+    return cases
 
 
 def _part(given: str | Mapping[str, Any]) -> Any:
@@ -237,7 +246,8 @@ def _has(assembly: Assembly, case: LoadCase, other: LoadCase) -> bool:
     own = case.wrench - wrench_of_masses(assembly, common_acceleration(assembly, case))
     size = np.abs(other.wrench).max(axis=1)
     near = 1e-6 * size[:, None]
-    return bool((np.abs(own - other.wrench) <= near)[size > 0.0].all())
+    alike = np.abs(own - other.wrench) <= near
+    return bool(size.any() and alike[size > 0.0].all())
 
 
 _KINDS: dict[str, Callable[..., LoadCase]] = {

@@ -37,7 +37,9 @@ def test_a_load_that_the_case_of_a_file_has_is_asked_for_when_it_is_given_anew(
     io.write(drystone.read(written(tower(3), path), load="block-1:80N", seismic="0.1,0"), path)
     assert options(path) == []
     assert options(path, load="block-2:80N") == []
+    assert options(path, load="block-1:0N") == []
     assert options(path, load="block-1:80N") == ["--case weight"]
+    assert options(path, load=["block-1:80N", "block-2:80N"]) == ["--case weight"]
     assert options(path, seismic="0.2,0") == ["--case weight"]
     assert options(path, seismic="0.2,0", case="weight") == []
 
