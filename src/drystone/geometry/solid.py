@@ -160,7 +160,8 @@ def crossings(start: Floats, end: Floats, triangles: Floats) -> tuple[Bools, Flo
 
     Notes
     -----
-    Source: Moeller, Trumbore 1997. Segments in the plane of a triangle do not cross it.
+    Source: Moeller, Trumbore 1997. Segments in the plane of a triangle do not cross it. Those
+    through an edge cross both triangles there, however these numbers are rounded.
     """
     ray = end - start
     corner = triangles[..., 0, :]
@@ -174,5 +175,6 @@ def crossings(start: Floats, end: Floats, triangles: Floats) -> tuple[Bools, Flo
     turned = cross(*np.broadcast_arrays(off, one))
     v = dot(turned, ray) / safe
     share: Floats = dot(turned, two) / safe
-    hit: Bools = ~flat & (u >= 0) & (v >= 0) & (u + v <= 1) & (share >= 0) & (share <= 1)
+    within = np.minimum(np.minimum(u, v), 1.0 - u - v) >= -ROUNDING
+    hit: Bools = ~flat & within & (share >= 0) & (share <= 1)
     return hit, share

@@ -21,7 +21,7 @@ from drystone.geometry.facets import smooth_runs
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.planar import parts_of
 from drystone.geometry.polyhedron import Faces, stack_faces
-from drystone.geometry.solid import crossings
+from drystone.geometry.solid import crossings, winding_number
 from drystone.geometry.triangulate import fan_warped, triangulate
 from drystone.model import Model
 from drystone.supports import props_of
@@ -221,18 +221,12 @@ def first_met(
 def in_the_open(assembly: Assembly, one: int, other: int) -> float:
     """How much of the line between the centroids of two blocks lies in no block [m]."""
     start, end = assembly.centroid[[one, other]]
-    triangles, owner = surface_triangles(assembly)
+    triangles, _ = surface_triangles(assembly)
     hit, share = crossings(start, end, triangles)
-    covered: list[tuple[float, float]] = []
-    for block in {one, other, *owner[hit].tolist()}:
-        met = np.unique(share[hit & (owner == block)].round(9)).tolist()
-        met = [*[0.0] * (block == one), *met, *[1.0] * (block == other)]
-        covered += zip(met[::2], met[1::2], strict=False)
-    reached, free = 0.0, 0.0
-    for low, high in [*sorted(covered), (1.0, 1.0)]:
-        free += max(low - reached, 0.0)
-        reached = max(reached, high)
-    return free * float(np.linalg.norm(end - start))
+    cuts = np.unique([0.0, *share[hit], 1.0])
+    middle = start + 0.5 * (cuts[1:] + cuts[:-1])[:, None] * (end - start)
+    free = np.diff(cuts)[winding_number(middle, triangles) < 0.5].sum()
+    return float(free * np.linalg.norm(end - start))
 
 
 def post_ways(assembly: Assembly, blocks: Ints, point: Floats, way: Floats) -> Floats:

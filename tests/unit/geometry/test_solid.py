@@ -7,6 +7,7 @@ import pytest
 
 from drystone import Block
 from drystone.geometry import solid
+from drystone.geometry.frames import rotation_about
 from drystone.geometry.polyhedron import stack_faces
 from drystone.geometry.triangulate import triangulate
 from drystone.models import box, prism, stool
@@ -77,6 +78,15 @@ def test_segments_cross_where_they_enter_and_leave() -> None:
     hit, share = solid.crossings(start[:, None], end[:, None], triangles_of(box((1, 1, 1))))
     assert hit.sum(axis=1).tolist() == [2, 0]
     np.testing.assert_allclose(np.sort(share[hit]), [0.25, 0.5])
+
+
+def test_a_segment_through_the_diagonals_of_faces_crosses_however_the_box_is_turned() -> None:
+    for angle in np.linspace(0.0, 360.0, 50):
+        turned = box((1, 1.3, 0.7)).transformed(rotation_about((1.0, 2.0, 3.0), angle))
+        way = turned.vertices[list(turned.faces[0])].mean(axis=0) - turned.centroid
+        start, end = turned.centroid - 2.0 * way, turned.centroid + 2.0 * way
+        hit, share = solid.crossings(start, end, triangles_of(turned))
+        assert np.unique(share[hit].round(9)).tolist() == [0.25, 0.75]
 
 
 @pytest.mark.parametrize("least", [0.0, 0.3, 9.0])
