@@ -26,8 +26,8 @@ _MOST_SHARE = 500.0
 _EXAMPLE = "a force 0,0,-500 or 2kN, a mass 80kg or a moment m=0,0,25"
 
 
-def vector(text: str, example: str = "0,0,-9.81") -> tuple[float, float, float]:
-    """Three finite numbers separated by commas, such as the example.
+def _vector(text: str) -> _Direction:
+    """Three finite numbers separated by commas.
 
     Raises
     ------
@@ -37,9 +37,9 @@ def vector(text: str, example: str = "0,0,-9.81") -> tuple[float, float, float]:
     try:
         values = [float(part) for part in text.split(",")]
     except ValueError as error:
-        raise InputError(f"'{text}' is not X,Y,Z", remedy=f"write {example}") from error
+        raise InputError(f"'{text}' is not X,Y,Z", remedy="write 0,0,-9.81") from error
     if len(values) != 3 or not all(abs(value) < float("inf") for value in values):
-        raise InputError(f"'{text}' is not three finite numbers", remedy=f"write {example}")
+        raise InputError(f"'{text}' is not three finite numbers", remedy="write 0,0,-9.81")
     return values[0], values[1], values[2]
 
 
@@ -63,7 +63,7 @@ def gravity_vector(text: str) -> tuple[float, float, float]:
         Neither one number above zero nor three that are not all zero.
     """
     if "," in text:
-        given = vector(text)
+        given = _vector(text)
         if not 0.0 < math.hypot(*given) <= _MOST:
             raise InputError(f"is {text}", remedy=f"give one above zero, up to {_MOST:g} m/s2")
         return given

@@ -230,14 +230,13 @@ class Measured(OneLine):
         if path.suffix.lower() == ".dxf":
             found = read_polyline(read_bytes(path), path)
             return cls(found if found[0, 0] < found[-1, 0] else found[::-1])
-        lines, scale = text.split(), 1.0
+        lines, scale = text.split(), [1.0]
         if path.suffix.lower() in (".csv", ".txt"):
-            lines = read_bytes(path).decode("utf-8", "replace").replace(";", ",").split("\n")
+            lines = read_bytes(path).decode("utf-8-sig", "replace").replace(";", ",").split("\n")
             lines = [line for line in lines if line.strip()]
             header = lines[0] if lines and not any(map(str.isdigit, lines[0])) else ""
             lines = lines[bool(header) :]
-            unit = re.search(r"\[\s*(\w+)\s*\]", header)
-            scale = scale_of(unit[1]) if unit else 1.0
+            scale = [scale_of(one) for one in re.findall(r"\[\s*(\w+)\s*\]", header)][:2] or scale
         point = []
         for line in lines:
             try:
@@ -249,7 +248,7 @@ class Measured(OneLine):
                     "or points '0,0 3,1.5 6,0'",
                 ) from error
             point.append((x, z))
-        return cls(scale * np.array(point).reshape(-1, 2))
+        return cls(np.array(point).reshape(-1, 2) * scale)
 
     def _summary(self) -> str:
         return counted(len(self.point), "point")

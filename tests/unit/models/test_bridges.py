@@ -57,6 +57,10 @@ def test_the_polyline_of_a_drawing_is_an_intrados(tmp_path: Path) -> None:
         table.write_text("\n".join([*header, *rows]), "utf-8")
         scale = 1e-3 if "mm" in str(header) else 1.0
         assert Measured.named(str(table)).point == pytest.approx(scale * measured.point)
+    table.write_text("x [mm], z [m]\n0,0\n3000,1.5\n6000,0", "utf-8")
+    assert Measured.named(str(table)).point.tolist() == [[0.0, 0.0], [3.0, 1.5], [6.0, 0.0]]
+    table.write_text("0,0\n3,1.5\n6,0", "utf-8-sig")
+    assert Measured.named(str(table)).point.tolist() == [[0.0, 0.0], [3.0, 1.5], [6.0, 0.0]]
     table.write_text("x,z\n0,0\n3000,1500\n6000,0", "utf-8")
     with pytest.raises(InputError, match=r"it spans 6000 m; give metres, or the unit: x \[mm\]"):
         Measured.named(str(table))
