@@ -65,8 +65,9 @@ class EqualOverlaps:
         if self.statics.corner_count * self.load.size > LARGEST:
             return
         for motion in self._starts():
-            found = None if self.stop() else self._followed(motion)
-            if found is not None:
+            if self.stop():
+                return
+            if (found := self._followed(motion)) is not None:
                 yield found[0].reshape(-1, 6), found[1]
 
     def _starts(self) -> Iterator[Floats]:
