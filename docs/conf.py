@@ -150,16 +150,25 @@ SHARED = {
 """Parameters of many functions, where a function says nothing of them."""
 
 
+def linked(kind, called):
+    """An annotation of a function, with links to the classes of drystone in it."""
+
+    def link(match):
+        one = getattr(drystone, match[0], None) or called.__globals__.get(match[0])
+        ours = inspect.isclass(one) and one.__module__.startswith("drystone.")
+        return f":class:`{match[0]}`" if ours else match[0]
+
+    return re.sub(r"[A-Z]\w+", link, str(kind))
+
+
 def by_type(name, called):
     """What a parameter is, where its name and its type say all: None where they do not."""
     one = inspect.signature(called).parameters.get(name)
     kind = "" if one is None else str(one.annotation)
     if choices := re.search(r"Literal\[(.*?)\]", kind):
         return "One of " + ", ".join(f"``{one.strip()}``" for one in choices[1].split(","))
-    known = [one for one in re.findall(r"[A-Z]\w+", kind) if hasattr(drystone, one)]
-    own = [one for one in re.findall(r"[A-Z]\w+", kind) if one in called.__globals__]
-    classes = dict.fromkeys(known or own)
-    return "See " + " or ".join(f":class:`{one}`" for one in classes) + "." if classes else None
+    classes = re.findall(":class:`.*?`", linked(kind, called))
+    return f"See {' or '.join(classes)}." if classes else None
 
 
 def shared_parameters(*event):
@@ -177,7 +186,8 @@ def shared_parameters(*event):
         names = [one.strip(" *") for one in head.split(",")]
         told.update(names)
         bare = not (colon or any(one[:1] == " " for one in lines[at + 1 : at + 2]))
-        if bare and len(names) == 1 and (said := by_type(names[0], plain)):
+        said = SHARED.get(names[0]) or by_type(names[0], plain)
+        if bare and len(names) == 1 and said:
             lines.insert(at + 1, f"    {said}")
             end += 1
     for name in inspect.signature(called).parameters:
@@ -187,20 +197,16 @@ def shared_parameters(*event):
 
 
 def returned(*event):
-    """What a function gives that does not say it: the class of its annotation."""
+    """What a function gives that does not say it: its annotation, with links."""
     _, what, _, called, _, lines = event
     if what not in ("function", "method") or "Returns" in lines or "Yields" in lines:
         return
     plain = inspect.unwrap(called)
-    kind = str(inspect.signature(plain).return_annotation)
-    known = [
-        one for one in re.findall(r"[A-Z]\w+", kind) if one in getattr(plain, "__globals__", ())
-    ]
-    if known:
+    told = linked(inspect.signature(plain).return_annotation, plain)
+    if ":class:" in told:
         rules = [i - 1 for i, line in enumerate(lines) if re.fullmatch("-{3,}", line)]
         after = [i for i in rules if lines[i] in ("Raises", "Notes", "Examples", "See Also")]
         at = after[0] if after else len(lines)
-        told = " or ".join(f":class:`{one}`" for one in dict.fromkeys(known))
         lines[at:at] = ["", "Returns", "-------", told, ""]
 
 
