@@ -227,26 +227,30 @@ class Mends(Answer):
         InputError
             There is no such mend, two are of one region, or one is not found once more.
         """
+        import difflib  # only needed here
+
         first, *others = self._chosen(numbers)
-        clock, model, kept = Clock.of(how), first.model, [first.change]
+        chosen, clock = MendOptions.of(options), Clock.of(how)
+        margin, model, kept = chosen.margin, first.model, [first.change]
+        regions = {frozenset(one.change.blocks) for one in self.mends}
         for wanted in (one.change for one in others):
-            besides = {frozenset(one.change.blocks) for one in self.mends}
-            few = replace(MendOptions.of(options), kinds=(wanted.kind,))
             again = find_mends(
-                model, options=few, besides=besides - {frozenset(wanted.blocks)}, **clock.rest
-            ).of(wanted.blocks)
-            start = wanted.description.partition(";")[0]
-            like = [one for one in again if one.change.description.startswith(start)]
-            if not again:
+                model, options=replace(chosen, kinds=(wanted.kind,)),
+                besides=regions - {frozenset(wanted.blocks)}, **clock.rest,
+            ).of(wanted.blocks)  # fmt: skip
+            told = {one.change.description: one for one in again}
+            nearest = difflib.get_close_matches(wanted.description, told, n=1, cutoff=0.0)
+            if not nearest:
                 raise InputError(
-                    f"'{start}' is not found once the mends before it are made",
+                    f"'{wanted.description}' is not found once the mends before it are made",
                     remedy="write these with --out, and mend that file",
                 )
-            model, kept = (like or again)[0].model, [*kept, (like or again)[0].change]
-        result = check(model, stop=clock.late)
+            model, kept = told[nearest[0]].model, [*kept, told[nearest[0]].change]
+        result = margin.holds(model, clock.late)
+        stands = margin.meets(result)
         words = "; ".join(one.description for one in kept)
-        log = () if result.stable else (_left(result, ""),)
-        return Changed(first.before, model, result, result.stable, words, tuple(kept), log)
+        log = () if stands else (_left(result, margin.case_of(result, model)),)
+        return Changed(first.before, model, result, stands, words, tuple(kept), log)
 
     def _chosen(self, numbers: Sequence[int]) -> list[Changed]:
         """The mends with some numbers, each of another region."""

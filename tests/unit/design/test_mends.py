@@ -867,6 +867,12 @@ def test_two_parts_that_fall_are_listed_apart_and_one_mend_of_each_makes_it_stan
         found.together([1, 1])
 
 
+def test_mends_that_are_made_stand_only_at_the_margin_of_the_search(fallen: Mends) -> None:
+    made = fallen.together([3], options=MendOptions(margin=DesignMargin(tilt=2.0)))
+    assert (made.stands, made.message[:20]) == (False, "tilted by 2 degrees ")
+    assert made.message.endswith(", it still falls: block-10")
+
+
 def test_a_board_on_two_loose_cleats_is_held_by_the_joints_of_both() -> None:
     """Nothing presses on the cleats: one of them let in leaves the other one to slide."""
     blocks = []
