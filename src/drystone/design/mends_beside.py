@@ -16,7 +16,7 @@ from drystone.base.display import rounded_up
 from drystone.base.errors import counted
 from drystone.base.units import quantity
 from drystone.checks import first_motion_of
-from drystone.design.bench import Bench, Held, Proposals, Take, Tries
+from drystone.design.bench import ALIKE, Bench, Held, Proposals, Take, Tries
 from drystone.design.changes import Change, block_added, props_at
 from drystone.design.margin import SMALL_REGION, DesignMargin, quick_check
 from drystone.design.needs import KnownNeeds, props_of
@@ -246,14 +246,11 @@ def _apart(bench: Bench, motion: Floats, ties: tuple[_Ends, ...] = ()) -> tuple[
 def _twins(bench: Bench) -> Ints:
     """Pairs (p, 2) of blocks of the region that alone have their volume and their height."""
     own, blocks = np.sort(bench.own), bench.local.assembly
-    like = np.column_stack(
-        [blocks.volume / blocks.volume.max(), blocks.centroid[:, 2] / blocks.size.max()]
-    )
-    _, kind, count = np.unique(
-        np.round(like[own], 6), axis=0, return_inverse=True, return_counts=True
-    )
-    order = np.argsort(kind, kind="stable")
-    return own[order[count[kind[order]] == 2]].reshape(-1, 2)
+    volume, height = blocks.volume[own], blocks.centroid[own, 2] / blocks.size[own].max()
+    like = np.isclose(volume, volume[:, None], rtol=ALIKE, atol=0.0)
+    like &= np.abs(height - height[:, None]) < ALIKE
+    alone = like.sum(axis=1) == 2
+    return own[np.argwhere(np.triu(like, 1) & alone & alone[:, None])]
 
 
 def lies_under_all(assembly: Assembly, block: int) -> bool:
