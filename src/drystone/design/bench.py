@@ -250,8 +250,9 @@ class Bench:
     def alike(self) -> list[dict[int, float]]:
         """Joints of a small region that are alike, two or more, as those at both ends of a board.
 
-        They have one area, and their blocks are of equal volumes. Each has its side: 1 where its
-        first block is of the region, and the other is not, or is smaller; else -1.
+        They may be changed, have one area, and their blocks are of equal volumes. Each has its
+        side: 1 where its first block is of the region, and the other is not, or is smaller; else
+        -1.
         """
         groups: list[tuple[Floats, dict[int, float]]] = []
         for k in range(self.local.contacts.count if len(self.own) <= SMALL_REGION else 0):
@@ -260,7 +261,7 @@ class Bench:
             if not same:
                 groups.append((like, {}))
             (same or [groups[-1][1]])[0][k] = side
-        return [one for _, one in groups if len(one) > 1]
+        return [one for _, one in groups if len(one) > 1 and not self.kept_at(list(one))]
 
     def _sided(self, interface: int) -> tuple[Floats, float]:
         """What joints that are alike have in common (4,), and the side of one, as above."""

@@ -331,13 +331,12 @@ def _glue(asked: KnownNeeds) -> Proposals:
         most = quantity(some[0].steps[-1], "N")
         why = f"it falls with glue of {most} in the {some[0].joints} joints that pull"
     yield Tries(some, why, known=None if bench.large else known)
-    alike = [tuple(group) for group in bench.alike() if not bench.kept_at(list(group))]
+    words = partial(glue_words, bench.local)
     both = [
         glue_change(
-            on, some[0].steps, some[0].close, partial(glue_words, bench.local, on, name=name)
+            on, some[0].steps, some[0].close, partial(words, on, name=bench.joints_named(on))
         )
-        for on in alike
-        for name in (bench.joints_named(on),)
+        for on in map(tuple, bench.alike())
     ]
     yield Tries(both, "", last=True)
 

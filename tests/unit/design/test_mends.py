@@ -888,3 +888,4 @@ def test_a_board_on_two_loose_cleats_is_held_by_the_joints_of_both() -> None:
     assert dowels.description.startswith("2 dowels that pull ")
     assert dowels.description.endswith("apart through their joint")
     assert (let_in.joints, dowels.joints, dowels.cost) == (2, 2, 6.0)
+    assert sum("with 'board' kept" in one.skipped for _, one in found.tried) == 2  # one a joint
