@@ -333,25 +333,24 @@ class Mends(Answer):
             lines.append(f"mend {number}: {kept.description} ({told})")
         return lines
 
-    def _alike(self) -> list[list[int]]:
-        """Positions of the mends; together those that are alike, of one kind in other joints."""
+    def _shown(self, lines: Sequence[str]) -> dict[int, str]:
+        """The lines of mends, by position; of those of one kind in other joints that of the first.
+
+        It has the numbers of the others.
+        """
         like: dict[tuple[Any, ...], list[int]] = {}
         for i, one in enumerate(self.mends):
             kept = one.change
             size = kept.joints, kept.added
             key = (kept.blocks, kept.kind, size, kept.jams > 0.0, one.stands)
             like.setdefault(key if any(size) else (i,), []).append(i)
-        return list(like.values())
-
-    def _shown(self, lines: Sequence[str]) -> dict[int, str]:
-        """The lines of those that are not like one before them, with the numbers of those."""
-        shown = dict(enumerate(lines))
-        for first, *others in self._alike():
+        shown = {}
+        for first, *others in like.values():
+            shown[first] = lines[first]
             if others:
                 what = "is mend" if len(others) == 1 else "are mends"
-                numbers = listed([f"{i + 1}" for i in others])
-                shown[first] += f"; like it {what} {numbers}, elsewhere"
-        return {first: shown[first] for first, *_ in self._alike()}
+                shown[first] += f"; like it {what} {_numbers(others)}, elsewhere"
+        return shown
 
     def _told(self, lines: Sequence[str], *, every: bool = False) -> list[str]:
         """The lines of the mends, by the parts that fall; unless ``every`` not of those alike."""
@@ -537,9 +536,14 @@ def find_mends(
 
 def _alike_words(like: Mapping[int, int]) -> str:
     """That some mends are as others, by their positions; empty where there are none."""
-    each = [sorted({i + 1 for i in some}) for some in (like, like.values())]
-    told = [f"mend{'s' * (len(some) > 1)} {listed(list(map(str, some)))}" for some in each if some]
+    each = [sorted(set(some)) for some in (like, like.values())]
+    told = [f"mend{'s' * (len(some) > 1)} {_numbers(some)}" for some in each if some]
     return f", alike: {', as '.join(told)}" if told else ""
+
+
+def _numbers(positions: Sequence[int]) -> str:
+    """The numbers of mends as text."""
+    return listed([f"{i + 1}" for i in positions])
 
 
 def _with_margin(made: Sequence[Changed], stop: Stop) -> list[Changed]:
