@@ -155,9 +155,10 @@ class Subject:
             if waiting.ask(f"{doubt.text} Use {doubt.option}?"):
                 changed |= doubt.how
                 continue
-            waiting.warn(doubt.text)
-            if doubt.text not in model.notes:
-                told.append(f"{doubt.text} ({doubt.option})")
+            text = f"{doubt.text} ({doubt.option})"
+            noted = doubt.text in model.notes  # with its option
+            waiting.warn(doubt.text if noted else text)
+            told += [] if noted else [text]
         if changed:
             how |= changed
             model = self._read(how, waiting)

@@ -101,7 +101,8 @@ def _surface(faces: tuple[Loop, ...], count: int) -> _SurfaceTopology:
         at = open_faces(faces)
         raise InputError(
             f"open mesh: {len(open_edges)} edges have one face only ({shown}), of"
-            f" {'face' if len(at) == 1 else 'faces'} {named([*map(str, at)], 4)}",
+            f" {'face' if len(at) == 1 else 'faces'} {named([*map(str, at)], 4)}, counted from 0 in"
+            " the block",
             remedy="close the holes or merge coincident vertices; only a support may be open; a "
             "surface is cut into blocks by 'drystone shell'",
             kind=DefectKind.OPEN,

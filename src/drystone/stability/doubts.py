@@ -26,8 +26,8 @@ from drystone.supports import select
 
 _FRICTION = 3.0
 """Chosen: rough stone on stone has at most 1.5."""
-_UNIT = re.compile(r"is the unit right \(--units (\w+)\)\?$")
-"""In the remark of a reader on a model of an improbable size."""
+_UNIT = re.compile(r"is the unit right \(--(units|density) (\S+)\)\?$")
+"""In the remark of a reader on a model of an improbable size or density."""
 _MOST = 500
 """Blocks up to which a model is tried on its other side. Chosen: the quick check takes 0.4 s."""
 _BEDS = 0.6
@@ -52,7 +52,10 @@ class Doubt(OneLine):
     @property
     def option(self) -> str:
         """The same on the command line."""
-        return " ".join(f"--{name} {value}" for name, value in self.how.items())
+        return " ".join(
+            f"--{name} {value:g}" if isinstance(value, float) else f"--{name} {value}"
+            for name, value in self.how.items()
+        )
 
 
 def friction_doubts(friction: Any) -> Iterator[Doubt]:
@@ -85,9 +88,10 @@ def doubts(model: Model, path: Paths, how: Mapping[str, Any]) -> Iterator[Doubt]
 
 
 def unit_doubts(notes: Iterable[str]) -> list[Doubt]:
-    """The remarks of a reader on an improbable size."""
+    """The remarks of a reader on an improbable size or density."""
     found = [(note, _UNIT.search(note)) for note in notes]
-    return [Doubt(note, {"units": unit[1]}) for note, unit in found if unit]
+    kinds = {"units": str, "density": float}
+    return [Doubt(note, {unit[1]: kinds[unit[1]](unit[2])}) for note, unit in found if unit]
 
 
 def _apart(model: Model) -> Iterator[Doubt]:

@@ -112,3 +112,16 @@ def test_what_is_doubtful_is_asked_in_a_terminal_and_done(
     out = capsys.readouterr().out
     assert "friction 0.5774" in out
     assert "degrees meant" not in out
+    assert main(["check", str(path), "--density", "2.4"]) == 0
+    assert asked[1].endswith("is the unit right (--density 2400)? Use --density 2400?")
+    assert "density 2400 kg/m" in capsys.readouterr().out
+
+
+def test_what_nobody_can_be_asked_is_said_with_its_option(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = written(tower(3), tmp_path / "tower.json")
+    assert main(["check", str(path), "--friction", "30", "--density", "2.4"]) == 0
+    said = capsys.readouterr().err
+    assert "are degrees meant? (--friction 30deg)" in said
+    assert "is the unit right (--density 2400)?" in said
