@@ -201,7 +201,8 @@ class DesignMargin(Options):
         load, free = model.load, model.assembly.free
         own = wrench_of_masses(model.assembly, load.acceleration - load.shake)
         beside = load.wrench - own - load.weight_of_masses.wrench
-        if np.abs(beside[free]).max() <= ROUNDING * np.abs(load.wrench[free]).max():
+        rounding = ROUNDING * np.abs(load.wrench[free]).max(initial=0.0)
+        if (np.abs(beside[free]) <= rounding).all():
             return "its weight", self.load * load
         more = self.load - 1.0
         return "what loads it beside its weight", replace(

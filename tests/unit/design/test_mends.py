@@ -462,6 +462,7 @@ def test_the_load_of_a_margin_is_what_acts_beside_weight() -> None:
     assert more.case_of(found, loaded) == "under 1.75 times what loads it beside its weight"
     (alone,) = more.remarks(Model.of(ring, friction=0.7))
     assert alone.endswith("no other load acts")
+    assert more.holds(loaded.with_supports(ring.names)).stable  # no block is free
     assert more.remarks(loaded) == DesignMargin().remarks(loaded) == []
     thrust = LoadCase.point_load(ring, "voussoir-17", (0.0, 5e2, -1e3))
     (also,) = more.remarks(loaded.with_load(own + thrust))
