@@ -12,7 +12,7 @@ from typing import TypeAlias
 import numpy as np
 
 from drystone.assembly import Block
-from drystone.base.arrays import Floats, Ints, lengths
+from drystone.base.arrays import Floats, Ints, lengths, unit
 from drystone.base.errors import InputError
 from drystone.base.units import quantity
 from drystone.design.bench import Bench, Held, Proposals, Take, Tried, Tries, held_by
@@ -275,11 +275,11 @@ def _overhung(model: Model, made: Mapping[int, Block], across: Floats) -> tuple[
     found: dict[int, float] = {}
     for k, own, other, normal in _seats(model, made):
         near, size = model.contacts.centroid[k], float(model.assembly.size[own])
-        way = ways[own] - ways[own] @ normal * normal
+        way, _ = unit(ways[own] - ways[own] @ normal * normal)
         reach = []
         for vertices in (made[own].vertices, blocks[own].vertices, blocks[other].vertices):
             on = np.abs((vertices - near) @ normal) < 1e-3 * size
-            along = (vertices[on] if on.any() else vertices) @ way / np.linalg.norm(way)
+            along = (vertices[on] if on.any() else vertices) @ way
             reach.append((along.max(), -along.min()))
         now, was, below = np.array(reach)
         far = float(np.where(now > was, now - below, 0.0).max())

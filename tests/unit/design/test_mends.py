@@ -546,6 +546,19 @@ def test_thicker_blocks_do_not_stand_on_a_ledge_that_they_make() -> None:
     assert find_mends(model, options=options).mends == ()
 
 
+def test_a_block_that_gets_thicker_upwards_overhangs_nothing() -> None:
+    """A block with a wing beside its pier, lifted at the end of the wing."""
+    section = [(0.0, 1.0), (0.8, 1.0), (0.8, 1.3), (2.0, 1.3), (2.0, 1.5), (0.0, 1.5)]
+    pier, wing = box((0.8, 1.0, 1.0), name="pier"), prism(section, (0.0, 1.0), "wing")
+    assembly = Assembly((pier, wing)).with_fixed([0])
+    own = LoadCase.gravity(assembly)
+    lifted = -0.5 * own.wrench[1, :3]
+    load = own + LoadCase.point_load(assembly, "wing", lifted, (2.0, 0.5, 1.5))
+    model = Model.of(assembly, friction=0.7, load=load)
+    (found,) = find_mends(model, options=MendOptions(kinds=("thicker",))).mends
+    assert ", along z; free mass" in found.change.description
+
+
 def test_what_a_structure_stands_without_is_no_part_of_a_margin_that_is_told() -> None:
     """A pier stands to 5.7 degrees; a prop or rougher joints are no help below that."""
     courses = [box((0.3, 0.8, 1.0), (0.0, 0.0, z), f"course-{z}") for z in range(-1, 3)]
