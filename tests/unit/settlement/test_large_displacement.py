@@ -331,10 +331,11 @@ def test_settle_follows_supports_to_a_length(file: str, tmp_path: Path, capsys: 
     for more, told in (
         (["--to", "1", "--joints", "a.csv"], "no table of joints"),
         (["--to", "1", "--corners", "a.csv"], "no table of joints"),
-        (["--time-limit", "1"], "--time-limit: small motions"),
     ):
         assert main([*asked[:4], *more]) == 2
         assert told in capsys.readouterr().err
+    assert main([*asked[:4], "--time-limit", "1e-9"]) == 1
+    assert "time was up" in capsys.readouterr().out
 
 
 def test_a_plank_falls_when_its_support_has_left_it() -> None:
