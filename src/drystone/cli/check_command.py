@@ -135,6 +135,15 @@ LARGE = 0.1
 steps. Chosen."""
 
 
+def _moves_far(model: Model) -> bool:
+    """Whether a motion of supports is no small one beside the free blocks."""
+    from drystone.checks import block_speed
+
+    free = model.assembly.free
+    far = 0.0 if model.load.motion is None else block_speed(model.assembly, model.load.motion).max()
+    return bool(far * len(free) > LARGE * model.assembly.size[free].sum())
+
+
 @command(
     "drystone settle arch.json --gravity 0,1,-9.81 --html settled.html",
     "drystone settle arch.json --move springer-right:1,0,0 --to 0.05 --html spread.html",
@@ -182,7 +191,8 @@ def settle(
             "no support moves", where="--move", remedy="write BLOCK:DX,DY,DZ, such as 0,0,-0.01"
         )
     _refuse_farther(model, to)
-    if (to is not None or model.load.motion is None) and (wanted.joints or wanted.corners):
+    tables = bool(wanted.joints or wanted.corners)
+    if tables and (to is not None or model.load.motion is None):
         raise InputError(
             "there is no table of joints or corners without --move, nor with --to",
             remedy="ask for --html, --png or --json",
@@ -195,7 +205,7 @@ def settle(
         if model.load.motion is None:
             waiting.stage("solve", "following the blocks")
             found: Answer = settlement.settle(model, **common)
-        elif to is not None:
+        elif to is not None or (_moves_far(model) and not tables):
             waiting.stage("solve", "moving")
             found = settlement.move_supports(model, to=to, **common)
         else:
@@ -204,17 +214,15 @@ def settle(
             if found.code == 0 and found.size > 0.0:
                 waiting.stage("solve", "moving")
                 followed = settlement.move_supports(model, **common)
-                large = found.size > LARGE * model.assembly.size[model.assembly.free].mean()
-                tables = bool(wanted.joints or wanted.corners)
-                if tables and followed.end is settlement.End.FALLS:
+                falls = followed.end is settlement.End.FALLS
+                if tables and falls:
                     raise InputError(
                         f"{followed.title}; tables of joints are of what stands, to first order",
                         remedy="leave them out",
                     )
-                if followed.end is settlement.End.FALLS or (large and not tables):
-                    found = followed
-                elif followed.code:
+                if followed.code and not falls:
                     notes += (f"to first order; followed by finite steps: {followed.title}",)
+                found = followed if falls else found
     return Told(found, notes=notes, files=partial(wanted.of, found))
 
 
