@@ -332,7 +332,8 @@ class Plan(PlannedSteps, Answer):
         prop = {one.block: one for one in self.props}
         rows = [self._row(b, robot.get(b, ""), prop.get(b)) for b in self.step_of]
         columns = {key: [row[i] for row in rows] for i, key in enumerate(_COLUMNS)}
-        silent = [key for key in _SILENT if not any(columns[key])]
+        tells = {**columns, "prop_goes": columns["prop_set"]}  # of a prop that stays it is 0
+        silent = [key for key in _SILENT if not any(tells[key])]
         units = {"hold_force": "N", "prop_force": "N"}
         return Table("assembly plan", columns, units, hidden=silent)
 

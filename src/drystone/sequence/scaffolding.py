@@ -322,12 +322,14 @@ def scaffolding(
 
 
 def _staying(stages: ScaffoldedStages, placed: int, held: int, clock: Clock) -> str:
-    """For how many contact stiffnesses the complete structure stands with what stays."""
+    """How the complete structure stands with what stays: for how many contact stiffnesses."""
     whole = stages.result(placed, held)[0]
-    found = check_whole(whole.model, options=CheckOptions.robust(), stop=clock.late).samples
-    what = stages.support.words(len(whole.items))
-    told = f"{found.standing} of {found.tried} contact stiffnesses tried"
-    return f"{len(whole.items)} {what} stay: with them the whole stands for {told}"
+    found = check_whole(whole.model, options=CheckOptions.robust(), stop=clock.late)
+    what, tried = stages.support.words(len(whole.items)), found.samples
+    told = f"stands for {tried.standing} of {tried.tried} contact stiffnesses tried"
+    if not tried.standing:
+        told = found.title[0].lower() + found.title[1:]
+    return f"{len(whole.items)} {what} stay: with them the whole {told}"
 
 
 class _Row(NamedTuple):

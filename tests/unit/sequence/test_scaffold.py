@@ -263,6 +263,19 @@ def test_what_stays_is_tried_with_other_contact_stiffnesses() -> None:
     found = plan(SLAB_ON_PIER, options=PlanOptions(anyway=True, scaffold="strut"))
     told = scaffolding(found, "strut").sentences()[-1].text
     assert told == "4 struts stay: with them the whole stands for 5 of 5 contact stiffnesses tried"
+    assert "prop_goes" not in found.table().hidden
+
+
+def test_what_stays_and_is_held_after_settling_only_is_told_so() -> None:
+    """No contact stiffness holds the upper slab in place: it settles on its ropes."""
+    slabs = (
+        box((1.0, 1.0, 0.3), (0.6, 0.0, 1.0), "slab"),
+        box((1.0, 1.0, 0.3), (1.2, 0.0, 1.3), "top"),
+    )
+    model = Model.of(Assembly((PIER, *slabs), [True, False, False]), friction=0.9)
+    found = plan(model, options=PlanOptions(anyway=True))
+    told = scaffolding(found, "rope", check=check).sentences()[-1].text
+    assert told.startswith("16 ropes stay: with them the whole stands after settling: ")
 
 
 def test_where_one_more_strut_does_not_carry_a_leaning_strip_all_that_falls_is_propped():
