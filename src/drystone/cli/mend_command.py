@@ -126,7 +126,7 @@ def _notes(mends: Mends, chosen: MendOptions, everything: bool) -> list[str]:
     notes = mends.failures() if everything else []
     if mends.tried and not everything:
         notes = ["--all lists every mend, and all that was tried without success"]
-    if mends.mends and chosen.margin == type(chosen.margin)():
+    if mends.mends and not chosen.margin.words:
         notes.append("no margin was asked for: --margin tilt=2deg asks for one")
     return notes
 

@@ -60,6 +60,7 @@ def changed(
         A joint with a capacity is no longer there, a block with a tie would change, or two blocks
         would overlap.
     """
+    model.require_still()
     blocks = dict(blocks or {})
     before = len(model)
     kept = np.setdiff1d(np.arange(before), np.asarray(removed, dtype=np.intp))
@@ -220,7 +221,7 @@ def _usual_strength(old: Contacts, capacity: JointCapacity, area: Floats) -> Flo
 def carried_load(model: Model, assembly: Assembly, kept: Ints) -> LoadCase:
     """The load of a model on its changed blocks; loads other than weight keep their position.
 
-    New volume has the acceleration of most blocks.
+    Supports keep the motion of their centroid. New volume has the acceleration of most blocks.
 
     Parameters
     ----------
@@ -230,7 +231,6 @@ def carried_load(model: Model, assembly: Assembly, kept: Ints) -> LoadCase:
     kept : (s,)
         Positions of the kept blocks in the model.
     """
-    model.require_still()
     acceleration = acceleration_of(model)
     before = model.assembly
     extra = model.load.wrench[kept].copy()

@@ -138,6 +138,21 @@ def test_a_saved_load_case_and_a_saved_model_have_the_motion(
         other.close()
 
 
+def test_a_changed_model_keeps_the_motion_of_its_file() -> None:
+    base, top = box((1, 1, 1), name="base"), box((1, 1, 1), (0, 0, 1), name="top")
+    model = drystone.Model.of(drystone.Assembly((base, top)).with_fixed([0]), friction=0.5)
+    moving = asked(model, wish_of(moves=[{"block": "base", "by": list(AWAY)}])).moving
+    wish, block = wish_of(), Field({"block": "top"}, "", Path("wish"))
+    work = Work(
+        moving, wish, asked(moving, wish), block, lambda: False, lambda *_: None, "two", print
+    )
+    ((event, told),) = TASKS["cut"](work)
+    assert (event, len(told["made"])) == ("model", 3)
+    motion = asked(told["made"], wish).motion
+    assert motion is not None
+    np.testing.assert_allclose(motion, [[*AWAY, 0, 0, 0], np.zeros(6), np.zeros(6)])
+
+
 def test_load_cases_side_by_side_follow_their_supports(window: Window) -> None:
     number = window.task("cases", {"cases": [{}, {"moves": MOVE}]})
     told = [window.until("case", number, count=i)["headline"] for i in (1, 2)]
