@@ -5,7 +5,6 @@ import inspect
 import os
 import re
 import sys
-import tomllib
 from itertools import takewhile
 from pathlib import Path
 
@@ -39,7 +38,7 @@ extensions = [
 source_suffix = {".md": "markdown", ".rst": "restructuredtext"}
 exclude_patterns = ["gallery/GALLERY_HEADER.rst"]
 sphinx_gallery_conf = gallery.SETTINGS
-myst_enable_extensions = ["dollarmath", "deflist"]
+myst_enable_extensions = ["dollarmath", "deflist", "substitution"]
 myst_heading_anchors = 3
 
 autodoc_typehints = "none"  # the signature has them
@@ -62,8 +61,14 @@ html_title = f"drystone {version}"
 html_favicon = "images/favicon.svg"
 html_static_path = ["site/site.css", "images/vault.png", "images/film.mp4"]
 html_css_files = ["site.css"]
-html_baseurl = os.environ.get("DRYSTONE_SITE") or os.environ.get("READTHEDOCS_CANONICAL_URL", "")
+repository = os.environ.get("GITHUB_REPOSITORY", "")
+"""OWNER/NAME, where a workflow of GitHub builds the site."""
+owner, _, name = repository.partition("/")
+html_baseurl = os.environ.get("DRYSTONE_SITE") or (
+    f"https://{owner.lower()}.github.io/{name}/" if name else ""
+)
 """The address of the site: pictures of links need it."""
+myst_substitutions = {"buttons": buttons(repository)}
 copybutton_prompt_text = "$ "
 copybutton_only_copy_prompt_lines = False
 
@@ -236,18 +241,9 @@ def without_links(*event):
     content[0] = re.sub(r"\[([^]]+)\]\((?!docs/|https?:)[^)]*\)", r"\1", content[0])
 
 
-def with_buttons(*event):
-    """Put the buttons where a page asks for them."""
-    source = event[-1]
-    project = tomllib.loads((HERE.parent / "pyproject.toml").read_text("utf-8"))["project"]
-    told = buttons(project.get("urls", {}).get("Repository", ""))
-    source[0] = source[0].replace("<!-- buttons -->", told)
-
-
 def setup(app: Sphinx) -> None:
     """What Sphinx calls when the site is built."""
     app.connect("include-read", without_links)
-    app.connect("source-read", with_buttons)
     app.connect("autodoc-process-docstring", each_attribute, priority=390)
     app.connect("autodoc-process-docstring", whole_description, priority=400)
     app.connect("autodoc-process-docstring", shared_parameters, priority=400)

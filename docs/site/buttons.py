@@ -4,15 +4,14 @@ import re
 from urllib.parse import quote
 
 
-def buttons(address: str) -> str:
-    """The buttons for the address of a repository; without one on GitHub, what has to be set."""
+def buttons(repository: str) -> str:
+    """The buttons for ``OWNER/NAME`` on GitHub; without such a repository, where they are."""
+    if not re.fullmatch(r"[\w.-]+/[\w.-]+", repository):
+        return "The buttons for Binder and Colab are on the site that the workflow *Pages* builds."
     notebook = "examples/notebook.ipynb"
-    place = re.fullmatch(r"https://github\.com/([\w.-]+/[\w.-]+?)(\.git)?/?", address)
-    if place is None:
-        return (
-            "The buttons appear once `[project.urls]` of `pyproject.toml` has a `Repository` "
-            "on GitHub and the site is built anew."
-        )
-    binder = f"https://mybinder.org/v2/gh/{place[1]}/HEAD?labpath={quote(notebook, safe='')}"
-    colab = f"https://colab.research.google.com/github/{place[1]}/blob/HEAD/{notebook}"
-    return f"[Open in Binder]({binder}) · [Open in Colab]({colab})"
+    binder = f"https://mybinder.org/v2/gh/{repository}/HEAD?labpath={quote(notebook, safe='')}"
+    colab = f"https://colab.research.google.com/github/{repository}/blob/HEAD/{notebook}"
+    return (
+        f"[Open in Binder]({binder}) · [Open in Colab]({colab}), with "
+        f"`%pip install git+https://github.com/{repository}` in a first cell."
+    )

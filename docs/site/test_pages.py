@@ -11,10 +11,12 @@ import importlib
 import re
 import runpy
 import shlex
+import sys
 from importlib.util import find_spec
 from io import StringIO
 from pathlib import Path
 from typing import Any
+from urllib.parse import unquote
 
 import pytest
 from PIL import Image
@@ -227,3 +229,28 @@ def test_the_marimo_notebook_runs() -> None:
     _, found = app.run()
     assert found["result"].stable
     assert found["told"] == "click a block"
+
+
+@pytest.mark.parametrize(
+    ("repository", "site"), [("", ""), ("OWNER/NAME", "https://owner.github.io/NAME/")]
+)
+def test_buttons_and_the_social_picture_have_the_address_of_the_repository_or_are_not_there(
+    repository: str, site: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A repository of a local build has none."""
+    pytest.importorskip("sphinx_gallery", reason="no Sphinx, the extra 'docs'")
+    monkeypatch.setenv("GITHUB_REPOSITORY", repository)
+    monkeypatch.delenv("DRYSTONE_SITE", raising=False)
+    monkeypatch.setattr("sys.path", sys.path[:])
+    conf = runpy.run_path(str(ROOT / "docs" / "conf.py"))
+    context: dict[str, str] = {"title": "A page"}
+    conf["social"](None, "index", "page.html", context)
+    pictures = re.findall('property="og:image" content="(.*?)"', context["metatags"])
+    told = conf["myst_substitutions"]["buttons"]
+    opened = re.findall(r"\]\((.*?)\)", told)
+    assert conf["html_baseurl"] == site
+    assert pictures == ([f"{site}_static/vault.png"] if site else [])
+    assert len(opened) == (2 if site else 0)
+    assert all(f"/{repository}/" in one for one in opened)
+    assert all("examples/notebook.ipynb" in unquote(one) for one in opened)
+    assert bool(site) == (f"git+https://github.com/{repository}`" in told)

@@ -1,9 +1,8 @@
-"""The conda recipe, the container file and the buttons ask for what pyproject.toml says."""
+"""The conda recipe and the container file ask for what pyproject.toml says."""
 
 from __future__ import annotations
 
 import re
-import runpy
 import tomllib
 from pathlib import Path
 
@@ -46,13 +45,3 @@ def test_binder_installs_this_checkout_with_extras_that_exist() -> None:
     assert set(extras[1].split(",")) <= set(PROJECT["optional-dependencies"])
     python = (ROOT / ".binder" / "runtime.txt").read_text("utf-8").strip().removeprefix("python-")
     assert f"Programming Language :: Python :: {python}" in PROJECT["classifiers"]
-
-
-def test_the_buttons_open_the_notebook_of_the_repository_and_say_what_they_need() -> None:
-    buttons = runpy.run_path(str(ROOT / "docs" / "site" / "buttons.py"))["buttons"]
-    assert "Repository" in buttons("")
-    assert "](" not in buttons("https://example.org/somewhere")
-    told = buttons("https://github.com/OWNER/NAME")
-    assert "/gh/OWNER/NAME/HEAD?labpath=examples%2Fnotebook.ipynb" in told
-    assert "/github/OWNER/NAME/blob/HEAD/examples/notebook.ipynb" in told
-    assert (ROOT / "examples" / "notebook.ipynb").exists()
