@@ -130,20 +130,6 @@ def _refuse_farther(model: Model, to: float | None) -> None:
         raise InputError(what, where=where, remedy=f"write it in m or with its unit: {way:g}mm")
 
 
-LARGE = 0.1
-"""Motion of a support by the mean size of a free block from which on the answer is that of finite
-steps. Chosen."""
-
-
-def _moves_far(model: Model) -> bool:
-    """Whether a motion of supports is no small one beside the free blocks."""
-    from drystone.checks import block_speed
-
-    free = model.assembly.free
-    far = 0.0 if model.load.motion is None else block_speed(model.assembly, model.load.motion).max()
-    return bool(far * len(free) > LARGE * model.assembly.size[free].sum())
-
-
 @command(
     "drystone settle arch.json --gravity 0,1,-9.81 --html settled.html",
     "drystone settle arch.json --move springer-right:1,0,0 --to 0.05 --html spread.html",
@@ -200,30 +186,19 @@ def settle(
     # work is imported when there is some
     from drystone import settlement
 
-    notes = model.notes
+    waiting.stage("solve", "following the blocks")
     with waiting.keywords(time_limit) as common:
         if model.load.motion is None:
-            waiting.stage("solve", "following the blocks")
             found: Answer = settlement.settle(model, **common)
-        elif to is not None or (_moves_far(model) and not tables):
-            waiting.stage("solve", "moving")
+        elif to is not None:
             found = settlement.move_supports(model, to=to, **common)
         else:
-            waiting.stage("solve", "settling")
-            found = settlement.support_response(model, options=small)
-            if found.code == 0 and found.size > 0.0:
-                waiting.stage("solve", "moving")
-                followed = settlement.move_supports(model, **common)
-                falls = followed.end is settlement.End.FALLS
-                if tables and falls:
-                    raise InputError(
-                        f"{followed.title}; tables of joints are of what stands, to first order",
-                        remedy="leave them out",
-                    )
-                if followed.code and not falls:
-                    notes += (f"to first order; followed by finite steps: {followed.title}",)
-                found = followed if falls else found
-    return Told(found, notes=notes, files=partial(wanted.of, found))
+            moved = found = settlement.support_response(model, options=small, **common)
+            if tables and moved.result.falls:
+                raise InputError(
+                    f"{found.title}; tables of joints are of what stands", remedy="leave them out"
+                )
+    return Told(found, notes=model.notes, files=partial(wanted.of, found))
 
 
 _JAMS = (

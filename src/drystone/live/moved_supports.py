@@ -30,8 +30,8 @@ from drystone.settlement import (
     LargeState,
     SettlementOptions,
     move_supports,
-    support_response,
 )
+from drystone.settlement.first_order import first_order
 from drystone.settlement.large_displacement import large_state
 from drystone.settlement.path import scaled_motion
 from drystone.stability import check
@@ -62,7 +62,7 @@ def at_once(model: Model, steps: CoarseSteps | None = None, before: Floats | Non
     """
     if len(model) > MOST_AT_ONCE:
         return _coarsely(model, steps, before)
-    found = support_response(model)
+    found = first_order(model)
     result, size = found.result, units.quantity(found.size, "m")
     if result.displacement is None:
         headline = f"Supports moved by {size}: no first-order answer; it is being followed"
@@ -172,15 +172,9 @@ def _followed(
     if found is None:
         return None
     last = found.states[-1]
-    verdict = {End.REACHED: Verdict.STABLE, End.FALLS: Verdict.UNSTABLE}
-    message = f"{FORCE}: {found.message}"
-    contacts, force = _of_model(model, last)
-    result = Result(
-        "settlement", verdict.get(found.end, Verdict.UNDECIDED), model, message,
-        force=force, displacement=last.positions, stopped=found.stopped,
-    )  # fmt: skip
+    result = last.result(model, found.end.verdict, f"{FORCE}: {found.message}", found.stopped)
     path = np.stack([one.positions for one in found.states])
-    stage = _moved(result, contacts, path)
+    stage = _moved(result, _of_model(model, last), path)
     state = stage.state.copy()
     state[found.falling] = State.FALLING
     return Found(result, replace(stage, headline=found.title, state=state), moved=True)
@@ -188,24 +182,20 @@ def _followed(
 
 def _on_the_way(model: Model, state: LargeState) -> Found:
     """The blocks before the supports have moved all their way."""
-    contacts, force = _of_model(model, state)
-    result = Result(
-        "settlement", Verdict.UNDECIDED, model, "the blocks are being followed",
-        force=force, displacement=state.positions,
-    )  # fmt: skip
-    stage = _moved(result, contacts, state.positions[None])
+    result = state.result(model, Verdict.UNDECIDED, "the blocks are being followed")
+    stage = _moved(result, _of_model(model, state), state.positions[None])
     far = units.quantity(state.displacement, "m")
     headline = f"Supports moved by {far} so far: the blocks are being followed"
     return Found(result, replace(stage, headline=headline, role=None), moved=True)
 
 
-def _of_model(model: Model, state: LargeState) -> tuple[Contacts, Floats]:
-    """The moved interfaces of the model and their forces, without those that blocks met later.
+def _of_model(model: Model, state: LargeState) -> Contacts:
+    """The moved interfaces of the model, without those that blocks met later.
 
     The page knows the interfaces of the model only, and those that were met come after them.
     """
     own = np.arange(state.contacts.count) < model.contacts.count
-    return state.contacts.select(own), state.force[: model.contacts.corner_count]
+    return state.contacts.select(own)
 
 
 def _moved(result: Result, contacts: Contacts, path: Floats) -> SceneStage:
@@ -348,8 +338,9 @@ class AfterMoving(DesignMargin):
         if found is None:
             return check(model, stop=stop)
         if found.end is not End.FALLS:
-            verdict = Verdict.STABLE if found.end is End.REACHED else Verdict.UNDECIDED
-            return Result("settlement", verdict, model, found.message, stopped=found.stopped)
+            return Result(
+                "settlement", found.end.verdict, model, found.message, stopped=found.stopped
+            )
         there = moved_model(found)
         result = check(there, stop=stop)
         if result.falls:

@@ -1,6 +1,7 @@
-"""SupportResponse: forces and opening joints when supports move, to first order.
+"""SupportResponse: forces and opening joints when supports move, and whether blocks follow.
 
-Compliant blocks whose supports move are a convex program per step of a fixed point::
+To first order, compliant blocks whose supports move are a convex program per step of a fixed
+point::
 
     minimise  1/2 f' C f + d0 . f   subject to   A f = -p,  fn >= 0,  |ft| <= g
 
@@ -16,7 +17,8 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple, Unpack
+from functools import cached_property
+from typing import Any, Unpack
 
 import numpy as np
 from scipy import sparse
@@ -30,27 +32,34 @@ from drystone.answer import (
     SceneStage,
     Sentence,
 )
+from drystone.answer.chart import Chart
 from drystone.answer.drawing import areas, enlargement, seen, state_of
 from drystone.assembly import Assembly
-from drystone.base.arrays import Bools, Floats, Ints
+from drystone.base.arrays import Bools, Floats, Ints, lengths
 from drystone.base.errors import InputError, counted
-from drystone.base.settings import Options, checked_call
+from drystone.base.settings import Clock, Options, checked_call
 from drystone.base.table import Table
 from drystone.base.units import quantity
 from drystone.checks import block_speed, check_forces, corner_motion
 from drystone.contacts import Contacts
 from drystone.geometry.frames import rotations
-from drystone.io.opening import Given, How, as_model
-from drystone.loads import LoadCase
+from drystone.io.opening import Given, LongHow, as_model
 from drystone.mechanics.bodies import LEAST_AREA
 from drystone.mechanics.statics import Statics, build_statics
 from drystone.model import Model
 from drystone.results import Residuals, Result, Verdict
+from drystone.settlement.large_displacement import move_supports
+from drystone.settlement.large_types import End, LargeDisplacement
+from drystone.settlement.path import support_motion
 from drystone.solvers.program import ConicProgram, ConicSolution, ConicStatus, ProgramBuilder
 
 CHECKED = 1e-5
 """Largest residual of a state that is reported as standing, dimensionless: that of an interior
 point on a problem whose compliance is small against the motion."""
+
+LARGE = 0.1
+"""Motion of a support by the mean size of a free block from which on the answer is that of finite
+steps. Chosen."""
 
 
 @dataclass(frozen=True)
@@ -72,25 +81,47 @@ class SupportResponseOptions(Options):
 
 @dataclass(frozen=True, eq=False)
 class SupportResponse(Answer):
-    """First-order answer to a motion of supports.
+    """Answer to a motion of supports: to first order, and of blocks that follow by finite steps.
+
+    Where blocks fall on the way, or the motion is large beside them, all of it is of finite steps.
 
     Attributes
     ----------
     result
-        Forces and displacements; those of the supports are the prescribed ones.
+        Forces and displacements; those of the supports are the prescribed ones. Of what falls, the
+        last ones before.
     before
         The same model before its supports move, by the same method.
-    opening : (k,) [m], at the corners; negative in compression
-    slide : (k,) [m]
-    size : [m], largest motion of a support
+    followed
+        The blocks that follow; ``None`` where no forces balance the loads.
     """
 
     result: Result
     before: Result
-    opening: Floats
-    slide: Floats
-    size: float
+    followed: LargeDisplacement | None = None
     _OPENS, _SLIDES = 0.005, 0.05
+
+    @cached_property
+    def size(self) -> float:
+        """[m], largest motion of a support."""
+        return _size(self.model)
+
+    @cached_property
+    def _apart(self) -> Floats:
+        moved = self.result.displacement
+        loose = Assembly(self.assembly.blocks)  # moving supports are free in the kinematics
+        motion = _motion_of(self.model) if moved is None else moved
+        return corner_motion(loose, self.contacts, motion)
+
+    @property
+    def opening(self) -> Floats:
+        """(k,) [m], at the corners; negative in compression."""
+        return self._apart[:, 0]
+
+    @property
+    def slide(self) -> Floats:
+        """(k,) [m], at the corners."""
+        return lengths(self._apart[:, 1:])
 
     def open_joints(self, share: float = _OPENS) -> Ints:
         """Interfaces with a corner that opens by more than a share of the support's motion.
@@ -132,8 +163,16 @@ class SupportResponse(Answer):
         return self.result.model
 
     @property
+    def _steps(self) -> LargeDisplacement | None:
+        """What is told in place of the answer to first order."""
+        falls = self.followed is not None and self.followed.end is End.FALLS
+        return self.followed if falls or _is_large(self.model) else None
+
+    @property
     def title(self) -> str:
-        """How many joints open."""
+        """How many joints open, or how far it was followed."""
+        if self._steps is not None:
+            return self._steps.title
         count = len(self.open_joints())
         by = f", by up to {quantity(self._widest, 'm')}" if count else ""
         return f"Settled: {counted(count, 'joint')} open{'s' if count == 1 else ''}{by}"
@@ -144,49 +183,46 @@ class SupportResponse(Answer):
 
     def sentences(self) -> Sequence[Sentence]:
         """Whether it stands with its supports moved, what moved, and what opens and slides."""
+        if self._steps is not None:
+            return self._steps.sentences()
         result = self.result
         word = "SETTLED" if result.stable else result.verdict.upper()
         said = [Sentence(word, Role.of(result.verdict)), Sentence(result.message)]
         for i in self._moved:
-            move, turn = np.split(self._motion[i], 2)
+            move, turn = np.split(_motion_of(self.model)[i], 2)
             told = f"moved: {self.assembly.names[i]} by {_listed(move)} m"
             told += f", turned by {_listed(np.rad2deg(turn))} degrees" if turn.any() else ""
             said.append(Sentence(told))
-        if self._known:
-            opened, slid = len(self.open_joints()), len(self.sliding_joints())
-            least, widest = (quantity(x, "m") for x in (self._OPENS * self.size, self._widest))
-            opens, slides = (f"{100.0 * one:g} %" for one in (self._OPENS, self._SLIDES))
-            told = f"joints that open: {opened or 'none'} by more than {least}, {opens} of the"
-            said.append(Sentence(f"{told} motion; the widest by {widest}"))
-            told = f"joints that slide: {slid or 'none'} by more than {slides} of it"
-            said.append(Sentence(told))
-            why = "to first order openings grow as the motion does; --to LENGTH follows a large one"
-            said.append(Sentence(why, Role.REMARK))
-            if opened > 1:
-                shared = "neighbouring joints may share an opening otherwise than here"
-                said.append(Sentence(shared, Role.REMARK))
-        return said
+        return said + self._joints_told() if self._known else said
 
-    @property
-    def _motion(self) -> Floats:
-        motion = self.load.motion
-        return np.zeros((len(self.assembly), 6)) if motion is None else motion
+    def _joints_told(self) -> list[Sentence]:
+        opened, slid = len(self.open_joints()), len(self.sliding_joints())
+        least, widest = (quantity(x, "m") for x in (self._OPENS * self.size, self._widest))
+        opens, slides = (f"{100.0 * one:g} %" for one in (self._OPENS, self._SLIDES))
+        told = f"joints that open: {opened or 'none'} by more than {least}, {opens} of the"
+        slid_told = f"joints that slide: {slid or 'none'} by more than {slides} of it"
+        remarks = [
+            "to first order openings grow as the motion does; --to LENGTH follows a large one"
+        ]
+        if opened > 1:
+            remarks.append("neighbouring joints may share an opening otherwise than here")
+        if self.followed is not None and self.followed.code:
+            remarks.append(f"to first order; followed by finite steps: {self.followed.title}")
+        said = [Sentence(f"{told} motion; the widest by {widest}"), Sentence(slid_told)]
+        return said + [Sentence(one, Role.REMARK) for one in remarks]
 
     @property
     def _moved(self) -> list[int]:
-        return np.flatnonzero(np.abs(self._motion).max(axis=1)).tolist()
+        return np.flatnonzero(np.abs(_motion_of(self.model)).max(axis=1)).tolist()
 
     @property
     def _known(self) -> bool:
         return self.result.force is not None and self.before.force is not None
 
-    @property
-    def load(self) -> LoadCase:
-        """The load, with the motion of the supports."""
-        return self.model.load
-
     def tables(self) -> Sequence[Table]:
         """Joints that open and slide; forces of supports and joints before and after."""
+        if self._steps is not None:
+            return self._steps.tables()
         if not self._known:
             return []
         contacts, names = self.contacts, np.array(self.assembly.names)
@@ -224,9 +260,13 @@ class SupportResponse(Answer):
         units = dict.fromkeys(list(columns)[3:], "N")
         return [*made, Table("joints", columns, units)]
 
+    def table(self) -> Table:
+        """The first table; of finite steps, the curve."""
+        return super().table() if self._steps is None else self._steps.table()
+
     def numbers(self) -> Mapping[str, Any]:
-        """The verdict, and what moved."""
-        motion, names = self._motion, self.assembly.names
+        """The verdict, and what moved; of finite steps, the curve and the positions too."""
+        motion, names = _motion_of(self.model), self.assembly.names
         return {
             "verdict": self.result.verdict,
             "method": self.result.method,
@@ -236,10 +276,13 @@ class SupportResponse(Answer):
                 for i in self._moved
             ],
             "residuals": self.result.residuals,
+            **({} if self._steps is None else self._steps.numbers()),
         }
 
     def layers(self) -> Scene:
-        """The forces before and after, and the motion, enlarged."""
+        """The forces before and after, and the motion, enlarged; or that of finite steps."""
+        if self._steps is not None:
+            return self._steps.layers()
         after = self.result.stage("after")
         if self.result.displacement is not None:
             after = replace(
@@ -254,8 +297,10 @@ class SupportResponse(Answer):
         title = f"drystone: {after.headline.lower()}"
         return Scene(self.assembly, self.contacts, stages, title, self._facts())
 
-    def figure(self) -> Scene:
-        """The blocks moved, enlarged, so that it shows which joints open."""
+    def figure(self) -> Scene | Chart:
+        """The blocks moved, enlarged, so that it shows which joints open; or the curve."""
+        if self._steps is not None:
+            return self._steps.figure()
         motion = self.result.displacement
         if motion is None:
             return self.layers()
@@ -318,9 +363,12 @@ def support_response(
     motion: Mapping[int | str, Any] | None = None,
     *,
     options: SupportResponseOptions | None = None,
-    **how: Unpack[How],
+    **how: Unpack[LongHow],
 ) -> SupportResponse:
-    """Forces and joint openings due to small motions of supports, in stiff, compliant blocks.
+    """Forces and joint openings due to motions of supports, and whether the blocks follow.
+
+    Small motions are answered to first order, for stiff, compliant blocks, and all are followed by
+    finite steps as by :func:`move_supports`.
 
     Parameters
     ----------
@@ -353,30 +401,57 @@ def support_response(
     >>> [assembly.names[model.contacts.block_a[i]] for i in settled.open_joints()]
     ['b']
     """
-    given = as_model(given, **how)
-    given.require_ends_as_drawn("the answer to small motions")
-    given.require_dry("the answer to small motions", "an open joint would pull on")
-    assembly, contacts = given.assembly, given.contacts
-    case = _case(assembly, motion, given.load)
-    prescribed = np.zeros((len(assembly), 6)) if case.motion is None else case.motion
-    size = float(block_speed(assembly, prescribed).max())
-    task = _Task(given.with_load(case), SupportResponseOptions.of(options), size)
-    before, after = _state(task, np.zeros_like(prescribed)), _state(task, prescribed)
-    moved = prescribed if after.displacement is None else after.displacement
-    relative = corner_motion(Assembly(assembly.blocks), contacts, moved)
-    slide = np.linalg.norm(relative[:, 1:], axis=1)
-    return SupportResponse(after, before, relative[:, 0], slide, size)
+    clock = Clock.of(how)
+    model = as_model(given, **how)
+    motions = support_motion(model, motion)
+    if motions is None or not motions.any():
+        raise InputError("no support moves", remedy="give a motion")
+    model = model.with_load(replace(model.load, motion=motions))
+    first = None if _is_large(model) else first_order(model, options)
+    if first is not None and not first.result.stable:
+        return first
+    followed = move_supports(model, **clock.rest)
+    if first is not None and followed.end is not End.FALLS:
+        return replace(first, followed=followed)
+    states, told = followed.states, (followed.end.verdict, followed.message, followed.stopped)
+    stood = (Verdict.STABLE, "the supports have not moved") if len(states) > 1 else told
+    still = model.with_load(replace(model.load, motion=None))
+    after, before = states[-1].result(model, *told), states[0].result(still, *stood)
+    return SupportResponse(after, before, followed)
 
 
-class _Task(NamedTuple):
-    model: Model
-    options: SupportResponseOptions
-    size: float
+def first_order(model: Model, options: SupportResponseOptions | None = None) -> SupportResponse:
+    """The answer to the motion of supports in the load, to first order alone.
+
+    What is not listed here is as in :func:`support_response`.
+    """
+    model.require_ends_as_drawn("the answer to small motions")
+    model.require_dry("the answer to small motions", "an open joint would pull on")
+    chosen, motion = SupportResponseOptions.of(options), _motion_of(model)
+    before = _state(model, chosen, np.zeros_like(motion))
+    return SupportResponse(_state(model, chosen, motion), before)
 
 
-def _state(task: _Task, prescribed: Floats) -> Result:
-    """Forces and motions under a prescribed motion (n, 6) of the supports."""
-    model, chosen, size = task
+def _motion_of(model: Model) -> Floats:
+    """(n, 6) [m, rad] of the supports."""
+    motion = model.load.motion
+    return np.zeros((len(model), 6)) if motion is None else motion
+
+
+def _size(model: Model) -> float:
+    """[m], largest motion of a support."""
+    return float(block_speed(model.assembly, _motion_of(model)).max())
+
+
+def _is_large(model: Model) -> bool:
+    """Whether the motion of supports is no small one beside the free blocks."""
+    free = model.assembly.free
+    return bool(_size(model) * len(free) > LARGE * model.assembly.size[free].sum())
+
+
+def _state(model: Model, chosen: SupportResponseOptions, prescribed: Floats) -> Result:
+    """Forces and motions under a prescribed motion (n, 6) of the supports, or before it."""
+    size = _size(model)
     assembly, contacts, load = model.assembly, model.contacts, model.load
     began = time.perf_counter()
     active = model.active
@@ -414,18 +489,6 @@ def _state(task: _Task, prescribed: Floats) -> Result:
         iterations=raw.iterations,
         time_s={"solve": time.perf_counter() - began},
     )
-
-
-def _case(assembly: Assembly, motion: Mapping[int | str, Any] | None, load: LoadCase) -> LoadCase:
-    """The load with every motion in it."""
-    case = load
-    motions = {} if motion is None else motion
-    for block, given in motions.items():
-        case = case + LoadCase.settlement(assembly, block, given)
-    if case.motion is None:
-        raise InputError("no support moves", remedy="give a motion")
-    case.require_prescribed(assembly)
-    return case
 
 
 def _residuals(model: Model, force: Floats, moved: Floats) -> Residuals:

@@ -41,6 +41,7 @@ from drystone.joints import (
     resultants_of,
 )
 from drystone.model import Model
+from drystone.results import Result, Verdict
 from drystone.settlement.settlement_types import SettlementOptions
 
 if TYPE_CHECKING:
@@ -79,6 +80,12 @@ class End(enum.Enum):
     LOST = "no further position was found"
     STOPPED = "ended early"
     """Time was up, it was interrupted, or there were too many steps."""
+
+    @property
+    def verdict(self) -> Verdict:
+        """On supports that move."""
+        known = {End.REACHED: Verdict.STABLE, End.FALLS: Verdict.UNSTABLE}
+        return known.get(self, Verdict.UNDECIDED)
 
 
 _NAMES = {
@@ -148,6 +155,13 @@ class LargeState(OneLine):
         """Interfaces whose friction is spent."""
         found = (self.utilisation > HINGED) & self._carrying
         return tuple(np.flatnonzero(found).tolist())
+
+    def result(self, model: Model, verdict: Verdict, message: str, stopped: str = "") -> Result:
+        """The same as a result, with the forces in the joints of the model alone."""
+        return Result(
+            "settlement", verdict, model, message, force=self.force[: model.contacts.corner_count],
+            displacement=self.positions, stopped=stopped,
+        )  # fmt: skip
 
     def joints(self, names: tuple[str, ...]) -> Table:
         """The table of :meth:`drystone.Result.joints`, of this state."""

@@ -179,7 +179,7 @@ def test_a_settlement_is_drawn_with_its_joints_open() -> None:
 
 
 def test_hinges_of_a_settlement_are_marked_on_the_moved_blocks() -> None:
-    ring = arch()
+    ring = arch(0.2, 12)
     answer = settled(ring, ring.names[-1], (0.03, 0.0, 0.0))
     scene = answer.figure()
     (marks,) = scene.stages[0].layers
@@ -189,6 +189,17 @@ def test_hinges_of_a_settlement_are_marked_on_the_moved_blocks() -> None:
     corners = np.concatenate([block.vertices for block in scene.assembly.blocks])
     edge = np.linalg.norm((corners - marks.position[:, None])[:, :, [0, 2]], axis=2).min(axis=1)
     assert edge.max() < 1e-3 * answer.size
+
+
+def test_what_falls_on_the_way_of_a_support_has_not_settled() -> None:
+    """A lintel loses its bearing of 100 mm by a motion that is small beside it."""
+    posts = [box((0.5, 2.0, 1.0), (x, 0.0, 0.0), name) for x, name in ((0.0, "a"), (1.5, "b"))]
+    lintel = box((1.2, 2.0, 2.0), (0.4, 0.0, 1.0), "lintel")
+    model = Model.of(Assembly((*posts, lintel)).with_fixed(list("ab")))
+    answer = support_response(model, {"b": (0.12, 0.0, 0.0)})
+    assert answer.result.falls
+    assert (answer.code, answer.to_dict()["verdict"]) == (1, "unstable")
+    assert answer.title.startswith("Falls when the supports have moved by 1")
 
 
 @pytest.mark.parametrize("kind", ["tension", "compression"])
