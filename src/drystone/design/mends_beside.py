@@ -17,10 +17,11 @@ from drystone.base.errors import counted
 from drystone.base.units import quantity
 from drystone.checks import first_motion_of
 from drystone.design.bench import ALIKE, Bench, Held, Proposals, Take, Tries
+from drystone.design.changed_model import acceleration_of
 from drystone.design.changes import Change, block_added, props_at
 from drystone.design.margin import SMALL_REGION, DesignMargin, quick_check
 from drystone.design.needs import KnownNeeds, props_of
-from drystone.design.props import PropSeat, carries, find_props, struts
+from drystone.design.props import PropSeat, carries, find_props, seats, struts
 from drystone.design.search import least
 from drystone.design.words import NAMED, force_words, listed, names_of, place
 from drystone.loads import LoadCase
@@ -29,10 +30,14 @@ from drystone.sequence.scaffold_seats import in_the_open
 from drystone.ties import tied
 
 _FIRST = 6
-"""Number of struts of one block that are tried, the shortest first, and of pairs of blocks between
-which a tie is tried: those that move apart fastest, that with the least pull times length by
-virtual work first, and of equal ones that nearest the middle of the region. Before these two blocks
-that alone are alike and level, opposite each other, if that is at most twice as much."""
+"""Number of struts of one block that are tried, the shortest first, of pairs of shores, and of
+pairs of blocks between which a tie is tried: those that move apart fastest, that with the least
+pull times length by virtual work first, and of equal ones that nearest the middle of the region.
+Before these two blocks that alone are alike and level, opposite each other, if that is at most
+twice as much."""
+
+_LEVEL = 0.5
+"""A prop is level where its direction is less than 30 degrees from that. Chosen."""
 
 _TIES = 4
 """Number of ties that are tried together in a region. Chosen: two arches under a beam need two."""
@@ -57,7 +62,7 @@ def support(asked: KnownNeeds) -> Proposals:
 
 
 def prop(asked: KnownNeeds) -> Proposals:
-    """One prop, with the least force; else a few props that hold the region together."""
+    """One prop, with the least force, and a pair of shores; else a few that hold it together."""
     bench, found = asked.bench, asked.needs.props
     if bench.large:
         found = props_of(bench, asked.needs)
@@ -68,38 +73,71 @@ def prop(asked: KnownNeeds) -> Proposals:
     else:
         first = bench.own[:SMALL_REGION]
         found = find_props(bench.local, bench.own, bench.motion, bench.stop, single=first)
-    seats = [one.seat for one in found.props]
-    if not seats:
-        yield f"no prop holds it: tried were {found.tried}"
-        return
+    alone, pairs = [one.seat for one in found.props], _shores(bench)
+    failed = "" if alone else f"no prop holds it: tried were {found.tried}"
 
-    words = partial(_prop_words, bench, seats)
-    told = partial(_by_force, bench, len(seats), words)
-    for smooth, why in ((True, ""), (False, "the best props do not keep the margin")):
-        change = Change.single("prop", props_at(seats, smooth=smooth), "", added=len(seats))
-        yield Tries([change], why, last=True, told=told)
+    def tries(several: list[list[PropSeat]], why: str, *, smooth: bool = True) -> Tries:
+        of = {
+            Change.single("prop", props_at(some, smooth=smooth), "", added=len(some)): some
+            for some in several
+        }
+
+        def told(change: Change) -> Held:
+            words = partial(_prop_words, bench, of[change])
+            return _by_force(bench, change.added, words, change)
+
+        return Tries(list(of), why, Take.FIRST, last=not smooth, told=told)
+
+    if alone:
+        yield tries([alone], "")
+    if len(alone) < 2:  # two hold it in its place
+        yield tries(pairs[:_FIRST], failed)
+    if alone:
+        yield tries([alone], "the best props do not keep the margin", smooth=False)
 
 
-def _prop_words(bench: Bench, seats: Sequence[PropSeat], forces: Floats, points: Floats) -> str:
+def _shores(bench: Bench) -> list[list[PropSeat]]:
+    """Pairs of places for level props against opposite sides of blocks that are alike.
+
+    As two raking shores against walls that spread: the most level ones first, then the highest.
+    """
+    local, down = bench.local, acceleration_of(bench.local)
+    up = -down / max(float(np.linalg.norm(down)), np.finfo(float).tiny)
+    some = [] if bench.large else bench.own
+    places = [one for i in some for one in seats(local, i, bench.motion[i])]
+    if not places:
+        return []
+    block = np.array([one.block for one in places])
+    normal, high = np.array([one.normal for one in places]), [one.middle @ up for one in places]
+    steep, size = normal @ up, local.assembly.size[block]
+    level, volume = normal - steep[:, None] * up, local.assembly.volume[block]
+    off = np.abs(level[:, None] + level).max(axis=2) + np.abs(steep[:, None] - steep)
+    off += np.abs(np.subtract.outer(high, high)) / size + np.abs(volume[:, None] / volume - 1.0)
+    pairs = np.argwhere(np.triu(off < ALIKE) & (np.abs(steep) < _LEVEL) & (block[:, None] != block))
+    first = np.lexsort((-np.take(high, pairs[:, 0]), np.round(np.abs(steep[pairs[:, 0]]), 6)))
+    return [[places[i], places[j]] for i, j in pairs[first].tolist()]
+
+
+def _prop_words(bench: Bench, some: Sequence[PropSeat], forces: Floats, points: Floats) -> str:
     """Props with their forces [N] and places [m] as text; equal forces are told once.
 
     Of many the largest: the mended model has a block for each.
     """
     each, model, where = [force_words(force) for force in forces], bench.local, list[str]()
-    for seat, force, point in zip(seats, forces, points, strict=True):
+    for seat, force, point in zip(some, forces, points, strict=True):
         side = "under" if carries(model, seat.block, force) else "against"
         where.append(f"{side} {names_of(model, [seat.block])} at {place(point)}")
-    if len(seats) > 1 and len(set(each)) == 1:
-        return f"{len(seats)} props: each of {each[0]}, {', '.join(where)}"
+    if len(some) > 1 and len(set(each)) == 1:
+        return f"{len(some)} props: each of {each[0]}, {', '.join(where)}"
     told = [f"{force} {at}" for force, at in zip(each, where, strict=True)]
     if len(told) > NAMED:  # 26 filled a screen and covered the picture
         order = np.argsort(-lengths(forces), kind="stable")
         told = [told[i] for i in order[: NAMED - 1]]
-        told.append(f"and {len(seats) - len(told)} with less")
-    some = ", ".join(told)
-    if len(seats) > 1:
-        return f"{len(seats)} props: {some}"
-    return f"a prop of {some}{_steady(bench, seats[0].block, forces[0], points[0])}"
+        told.append(f"and {len(some) - len(told)} with less")
+    parts = ", ".join(told)
+    if len(some) > 1:
+        return f"{len(some)} props: {parts}"
+    return f"a prop of {parts}{_steady(bench, some[0].block, forces[0], points[0])}"
 
 
 def _by_force(

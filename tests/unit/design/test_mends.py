@@ -903,3 +903,13 @@ def test_a_board_on_two_loose_cleats_is_held_by_the_joints_of_both() -> None:
     assert dowels.description.endswith("apart through their joint")
     assert (let_in.joints, dowels.joints, dowels.cost) == (2, 2, 6.0)
     assert sum("with 'board' kept" in one.skipped for _, one in found.tried) == 2  # one a joint
+
+
+def test_what_spreads_is_held_by_a_pair_of_shores_alike_on_both_sides() -> None:
+    """No one prop holds the four stones of a thin arch."""
+    (both,) = find_mends(arch(0.06, 4), friction=0.7, options=MendOptions(kinds=("prop",))).mends
+    left, right = both.result.resultants.force[-2:]
+    np.testing.assert_allclose(left, right * (-1.0, 1.0, 1.0), atol=0.01 * np.linalg.norm(left))
+    assert left[0] > abs(left[2])
+    against = re.findall(r"against '([^']*)'", both.change.description)
+    assert against == ["voussoir-00", "voussoir-03"]
