@@ -90,10 +90,9 @@ def prop(asked: KnownNeeds) -> Proposals:
 
     if alone:
         yield tries([alone], "")
+        yield tries([alone], "the best props do not keep the margin", smooth=False)
     if len(alone) < 2:  # two hold it in its place
         yield tries(pairs[:_FIRST], failed)
-    if alone:
-        yield tries([alone], "the best props do not keep the margin", smooth=False)
 
 
 def _shores(bench: Bench) -> list[list[PropSeat]]:
