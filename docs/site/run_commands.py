@@ -38,16 +38,6 @@ SLOW = (
     r"|limit tilt model"
 )
 """Beginnings and options of commands that take more than a second or two."""
-ABSENT = (
-    "armadillo.obj",
-    "surface.obj",
-    "wall.3dm",
-    "my.3dm",
-    "soup.stl",
-    "bridge.dxf",
-    "cases.toml",
-)
-"""Files that a reader has; a command on them is parsed by a test and not run here."""
 COMMAND = re.compile(
     r"^(?: {4}|\$ )(?:\S+/bin/)?drystone (.*?)(?: +# .*)?$"
     r"|^\| [^|]+ \| `drystone ([^`|]*\.json[^`|]*)` \|$",
@@ -56,6 +46,8 @@ COMMAND = re.compile(
 """A line of its own, or the cell of a table, on a model."""
 WRITES = re.compile(r"^```python\n(.*?write_text\(.*?)^```$", re.MULTILINE | re.DOTALL)
 """Python by which a page writes its files."""
+SHOWN = re.compile(r"^```toml\n# (\S+\.toml)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+"""A file that a page shows, with its name."""
 
 
 def commands_of(page: Path) -> list[str]:
@@ -83,8 +75,30 @@ def loaded() -> dict[str, object]:
 
 def moved(built: Assembly, matrix: Any) -> Assembly:
     """An assembly with its vertices multiplied by a matrix."""
-    blocks = (replace(b, vertices=b.vertices @ np.array(matrix).T) for b in built.blocks)
+    blocks = (replace(b, vertices=b.vertices @ matrix.T) for b in built.blocks)
     return Assembly(tuple(blocks), built.fixed)
+
+
+def surface(matrix: Any) -> str:
+    """The OBJ of half a cylinder, 2 m in radius and 4 m long, as an open mesh."""
+    turns, rows = np.linspace(0, np.pi, 13), range(9)
+    points = [(2 * np.cos(t), 0.5 * row, 2 * np.sin(t)) for row in rows for t in turns]
+    corners = [13 * row + i + 1 for row in rows[1:] for i in range(12)]
+    faces = [f"f {one} {one + 1} {one - 12} {one - 13}" for one in corners]
+    return "\n".join([*("v {} {} {}".format(*(matrix @ one)) for one in points), *faces])
+
+
+def drawing(built: Assembly) -> str:
+    """The DXF of the front of each block, as a closed polyline on a layer of its own."""
+    lines = ["0 SECTION", "2 ENTITIES"]
+    for block, fixed in zip(built.blocks, built.fixed, strict=True):
+        lines += ["0 LWPOLYLINE", f"8 {'supports' if fixed else block.name}", "90 4", "70 1"]
+        lines += [
+            f"{code} {x}"
+            for point in block.vertices[:4, [0, 2]]
+            for code, x in zip((10, 20), point, strict=True)
+        ]
+    return "\n".join([*lines, "0 ENDSEC", "0 EOF"]).replace(" ", "\n") + "\n"
 
 
 def write_models(folder: Path, names: set[str], lines: str) -> None:
@@ -102,12 +116,21 @@ def write_models(folder: Path, names: set[str], lines: str) -> None:
         "firm": lambda: models.arch(0.15, 11),
         "dome": models.dome,
     }
-    for name in names - {*ABSENT}:
+    for name in names:
         stem, path = name.split(".")[0], folder / name
+        matrix = np.eye(3)
+        if re.search(rf"{re.escape(name)}.* --up y", lines):
+            matrix = np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]])
+        if re.search(rf"{re.escape(name)}.* --units mm", lines):
+            matrix *= 1000.0
         if name == "tower.obj":
             drystone.write(Assembly((models.box((1.0, 1.0, 4.0)),), np.array([True])), path)
         elif name == "part.obj":
             drystone.write(Assembly((models.box((1.0, 2.0, 3.0)),)), path)
+        elif name == "surface.obj":
+            path.write_text(surface(matrix), "utf-8")
+        elif path.suffix == ".dxf":
+            path.write_text(drawing(bridge_of_names()), "utf-8")
         elif name == "model.json":
             drystone.write(Model.of(bridge_of_names(), friction=0.7), path)
             path.write_text(json.dumps(json.loads(path.read_text("utf-8")) | loaded()), "utf-8")
@@ -115,12 +138,10 @@ def write_models(folder: Path, names: set[str], lines: str) -> None:
             row = "voussoir-02,voussoir-03,1000,500,"
             path.write_text(f"block_a,block_b,tension,cohesion,shear\n{row}\n", "utf-8")
         else:
-            built = families.get(stem, bridge_of_names)()
-            if re.search(rf"{re.escape(name)}.* --up y", lines):
-                built = moved(built, [[1, 0, 0], [0, 0, 1], [0, -1, 0]])
-            if re.search(rf"{re.escape(name)}.* --units mm", lines):
-                built = moved(built, 1000.0 * np.eye(3))
-            drystone.write(Model.of(built, friction=0.9 if stem == "shelf" else 0.7), path)
+            built = moved(families.get(stem, bridge_of_names)(), matrix)
+            path.write_text("none", "utf-8")  # a command on it says which extra is missing
+            with contextlib.suppress(drystone.MissingDependency):
+                drystone.write(Model.of(built, friction=0.9 if stem == "shelf" else 0.7), path)
 
 
 def run(line: str) -> tuple[int, str, float]:
@@ -154,16 +175,20 @@ def main() -> int:
         lines = commands_of(page)
         named = {name for line in lines for name in re.findall(r"[\w-]+\.\w+", line)}
         made = set(re.findall(r"(?:--out|--\w+) +(\S+\.\w+)", " ".join(lines)))
-        read = {n for n in named if n.rsplit(".", 1)[1] in ("json", "obj", "stl", "3dm", "csv")}
+        read = {
+            n for n in named if n.rsplit(".", 1)[1] in ("json", "obj", "stl", "3dm", "dxf", "csv")
+        }
         write_models(
             folder,
             read - (made - {"joints.csv"}) | ({"mended.json", "firm.json"} & read),
             "\n".join(lines),
         )
+        for name, block in SHOWN.findall(page.read_text("utf-8")):
+            (folder / name).write_text(block, "utf-8")
         for block in WRITES.findall(page.read_text("utf-8")):
             exec(compile(block, page.name, "exec"), {})
         for line in lines:
-            if re.search(STAYS, line) or any(name in line for name in ABSENT):
+            if re.search(STAYS, line):
                 left += 1
                 continue
             if not asked.slow and re.search(SLOW, line):
