@@ -70,6 +70,17 @@ ALIKE = 1e-3
 """What is alike differs by less than this share: joints, blocks, mends. Chosen."""
 
 
+def first_alike(numbers: Sequence[Floats]) -> list[int]:
+    """Of each row the position of the first row whose numbers are alike."""
+    firsts: dict[int, Floats] = {}
+    found = []
+    for i, row in enumerate(numbers):
+        same = (k for k, one in firsts.items() if np.allclose(one, row, rtol=ALIKE, atol=0.0))
+        found.append(next(same, i))
+        firsts.setdefault(found[-1], row)
+    return found
+
+
 class Jam(NamedTuple):
     """How a region jams: its joints press each other, and friction alone holds it.
 
@@ -254,14 +265,12 @@ class Bench:
         side: 1 where its first block is of the region, and the other is not, or is smaller; else
         -1.
         """
-        groups: list[tuple[Floats, dict[int, float]]] = []
-        for k in range(self.local.contacts.count if len(self.own) <= SMALL_REGION else 0):
-            like, side = self._sided(k)
-            same = [one for key, one in groups if np.allclose(key, like, rtol=ALIKE, atol=0.0)]
-            if not same:
-                groups.append((like, {}))
-            (same or [groups[-1][1]])[0][k] = side
-        return [one for _, one in groups if len(one) > 1 and not self.kept_at(list(one))]
+        count = self.local.contacts.count if len(self.own) <= SMALL_REGION else 0
+        sided = [self._sided(k) for k in range(count)]
+        groups: dict[int, dict[int, float]] = {}
+        for k, first in enumerate(first_alike([numbers for numbers, _ in sided])):
+            groups.setdefault(first, {})[k] = sided[k][1]
+        return [one for one in groups.values() if len(one) > 1 and not self.kept_at(list(one))]
 
     def _sided(self, interface: int) -> tuple[Floats, float]:
         """What joints that are alike have in common (4,), and the side of one, as above."""

@@ -137,6 +137,22 @@ class Changed(Answer):
         """The first one of its changes, the only one of a mend."""
         return self.changes[0]
 
+    @cached_property
+    def touched(self) -> frozenset[tuple[str, ...]]:
+        """Names of the blocks that are another or hold otherwise, and of those of such joints.
+
+        What was not there before has no name.
+        """
+        names = self.before.assembly
+        changed = (key for key, *_ in _signed(self.before) ^ _signed(self.model))
+        return frozenset(tuple(x if x in names else "" for x in key) for key in changed)
+
+    def far_from(self, other: Changed) -> tuple[bool, int, float]:
+        """How far a mend is from another: by its size, by what is touched, by its value."""
+        own, its = self.change, other.change
+        apart = len(self.touched ^ other.touched)
+        return (own.joints, own.added) != (its.joints, its.added), apart, abs(own.value - its.value)
+
     @property
     def held(self) -> tuple[str, ...]:
         """Blocks that still fall: the check held them, and the structure does not."""
@@ -316,6 +332,14 @@ def _joints(model: Model) -> list[tuple[str, ...]]:
     names, contacts = model.assembly.names, model.contacts
     pairs = zip(contacts.block_a.tolist(), contacts.block_b.tolist(), strict=True)
     return [tuple(sorted((names[a], names[b]))) for a, b in pairs]
+
+
+def _signed(model: Model) -> set[tuple[Any, ...]]:
+    """Names of blocks, and of those of joints, with what a change makes another."""
+    each, fixed = model.assembly.blocks, model.assembly.fixed.tolist()
+    blocks = [((one.name,), id(one), held) for one, held in zip(each, fixed, strict=True)]
+    joints = zip(_joints(model), *_values(model).T.tolist(), strict=True)
+    return {*blocks, *joints}
 
 
 def _values(model: Model) -> Floats:

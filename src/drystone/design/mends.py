@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any, Unpack
@@ -17,7 +17,7 @@ from drystone.base.display import named, rounded_down
 from drystone.base.errors import InputError, counted
 from drystone.base.settings import Clock, LongWork, Options, Stop, checked_call
 from drystone.base.workers import WorkerPool
-from drystone.design.bench import ALIKE, Tried
+from drystone.design.bench import Tried, first_alike
 from drystone.design.changed import Changed, Kept
 from drystone.design.diagnosis import Diagnosis, DiagnosisOptions, Region, diagnose
 from drystone.design.margin import QUICK, DesignMargin
@@ -227,25 +227,23 @@ class Mends(Answer):
         InputError
             There is no such mend, two are of one region, or one is not found once more.
         """
-        import difflib  # only needed here
-
         first, *others = self._chosen(numbers)
         chosen, clock = MendOptions.of(options), Clock.of(how)
         margin, model, kept = chosen.margin, first.model, [first.change]
         regions = {frozenset(one.change.blocks) for one in self.mends}
-        for wanted in (one.change for one in others):
+        for wanted in others:
+            blocks = wanted.change.blocks
             again = find_mends(
-                model, options=replace(chosen, kinds=(wanted.kind,)),
-                besides=regions - {frozenset(wanted.blocks)}, **clock.rest,
-            ).of(wanted.blocks)  # fmt: skip
-            told = {one.change.description: one for one in again}
-            nearest = difflib.get_close_matches(wanted.description, told, n=1, cutoff=0.0)
-            if not nearest:
+                model, options=replace(chosen, kinds=(wanted.change.kind,)),
+                besides=regions - {frozenset(blocks)}, **clock.rest,
+            ).of(blocks)  # fmt: skip
+            if not again:
                 raise InputError(
-                    f"'{wanted.description}' is not found once the mends before it are made",
+                    f"'{wanted.words}' is not found once the mends before it are made",
                     remedy="write these with --out, and mend that file",
                 )
-            model, kept = told[nearest[0]].model, [*kept, told[nearest[0]].change]
+            nearest = min(again, key=wanted.far_from)
+            model, kept = nearest.model, [*kept, nearest.change]
         result = margin.holds(model, clock.late)
         stands = margin.meets(result)
         words = "; ".join(one.description for one in kept)
@@ -339,11 +337,10 @@ class Mends(Answer):
         It has the numbers of the others.
         """
         like: dict[tuple[Any, ...], list[int]] = {}
-        for i, one in enumerate(self.mends):
-            kept = one.change
-            size = kept.joints, kept.added
-            key = (kept.blocks, kept.kind, size, kept.jams > 0.0, one.stands)
-            like.setdefault(key if any(size) else (i,), []).append(i)
+        for i, first in enumerate(self._alike("joints", "added")):
+            kept = self.mends[i].change
+            same = first if kept.joints or kept.added else i
+            like.setdefault((kept.blocks, same), []).append(i)
         shown = {}
         for first, *others in like.values():
             shown[first] = lines[first]
@@ -362,30 +359,43 @@ class Mends(Answer):
         if all(parts.values()):
             best = ",".join(f"{own[0] + 1}" for own in parts.values())
             said += f": one of each is needed, --auto or --apply {best} makes the cheapest of each"
-        told, before = [said], list[list[int]]()
-        for blocks, own in parts.items():
+        told = [said]
+        for head, own in self._sections(shown, every=every):
+            told += [head + ":" * bool(own), *(shown[i] for i in own)]
+        return told
+
+    def _sections(
+        self, shown: Collection[int], *, every: bool = False
+    ) -> Iterator[tuple[str, list[int]]]:
+        """The heading of each part that falls, and positions of its mends that are shown.
+
+        Unless ``every`` without those that are as mends of a part before.
+        """
+        before: list[list[int]] = []
+        for blocks, own in self._parts().items():
             like = max((self._like(own, some) for some in before), key=len, default={})
-            rest = [shown[i] for i in own if i in shown.keys() - like.keys()]
             who = names_of(self.model, self.model.assembly.indices(blocks).tolist())
             head = f"for {who}{_alike_words(like)}" if own else f"for {who}: no mend was found"
-            told += [head + ":" * bool(rest), *rest]
+            yield head, [i for i in own if i in shown and i not in like]
             before += [own] * (not every)
-        return told
 
     def _like(self, own: Sequence[int], before: Sequence[int]) -> dict[int, int]:
         """Positions of the mends of a part that are as those of another one, with theirs.
 
         None where the first ones differ: then the parts are not alike.
         """
-        pairs = [(i, j) for i in own for j in before if self._same(i, j)]
+        first = self._alike("joints", "added", "value", "cost")
+        pairs = [(i, j) for i in own for j in before if first[i] == first[j]]
         return dict(reversed(pairs)) if (*own[:1], *before[:1]) in pairs else {}
 
-    def _same(self, i: int, j: int) -> bool:
-        """Whether two mends are the same but for the blocks that they hold."""
-        one, other = self.mends[i].change, self.mends[j].change
-        near = np.isclose((one.value, one.cost), (other.value, other.cost), rtol=ALIKE)
-        known = (one.kind, one.joints, one.added) == (other.kind, other.joints, other.added)
-        return known and bool(near.all())
+    def _alike(self, *sizes: str) -> list[int]:
+        """Of each mend the position of the first of its kind that has the same sizes."""
+        rows = []
+        for mend in self.mends:
+            one = mend.change
+            kind = KINDS.index(one.kind), one.jams > 0.0, mend.stands
+            rows.append(np.array([*kind, *(getattr(one, name) for name in sizes)]))
+        return first_alike(rows)
 
     def _parts(self) -> dict[tuple[str, ...], list[int]]:
         """Positions of the mends of each region that falls, by the names of its blocks."""
@@ -399,8 +409,8 @@ class Mends(Answer):
     def failures(self) -> list[str]:
         """A line for each mend that is like another one, and for each tried without success."""
         lines = self._listed()
-        told = self._told(lines)
-        more = [line for line in lines if not any(one.startswith(line) for one in told)]
+        told = {i for _, own in self._sections(self._shown(lines)) for i in own}
+        more = [line for i, line in enumerate(lines) if i not in told]
         return more + [f"{named(blocks)}: {one.kind}: {one.what}" for blocks, one in self.tried]
 
     def _failed(self) -> str:
