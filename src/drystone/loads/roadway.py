@@ -194,7 +194,8 @@ class Roadway:
             steep &= plan.s.mean(axis=1) > middle
             held = held | (steps.r.mean(axis=1) < middle)  # it looks inwards
             slopes.append(steep)
-            bad, faces = plan.chosen(steep & (slope > 1.0)), self._behind(steps.chosen(~held))
+            bad = plan.chosen(steep & (slope > 1.0))
+            faces = self._behind(steps.chosen(~held), self._faces(steps))
             blocks += [bad.block, faces.block]
             near = (bad.s - 0.5 * bad.width).mean(axis=1), faces.middle @ plan.axes[1]
             ends.append(np.concatenate(near).min(initial=high if plan is self.above else -low))
@@ -297,14 +298,23 @@ class Roadway:
         Level before each of them, with no block between, fill is seen from above. Along, the ground
         below what is fixed is between.
         """
-        return [self._behind(steps, way < 2) for way, (steps, _) in enumerate(self._steps)]
+        return [
+            self._behind(steps, self._grounded(steps) if way < 2 else self._faces(steps))
+            for way, (steps, _) in enumerate(self._steps)
+        ]
 
-    def _behind(self, steps: SeenStrips, along: bool = False) -> SeenStrips:
-        """What of free blocks is nearest behind steps, below the road, and looks most that way."""
-        faces, fixed = SeenStrips.all_of(self.assembly, steps.axes), self.assembly.fixed
-        if along:
-            faces = faces.down_to(self.assembly.bounds[..., 2].min(), fixed[faces.block])
-        seen = steps.behind(faces, SAME * self.breadth)
+    def _grounded(self, steps: SeenStrips) -> SeenStrips:
+        """The same, with the ground below what is fixed."""
+        faces = self._faces(steps)
+        return faces.down_to(self.assembly.bounds[..., 2].min(), self.assembly.fixed[faces.block])
+
+    def _faces(self, steps: SeenStrips) -> SeenStrips:
+        """All faces that look as steps do."""
+        return SeenStrips.all_of(self.assembly, steps.axes)
+
+    def _behind(self, steps: SeenStrips, faces: SeenStrips) -> SeenStrips:
+        """Which free faces are nearest behind steps, below the road, and look most that way."""
+        seen, fixed = steps.behind(faces, SAME * self.breadth), self.assembly.fixed
         seen = seen.chosen(~fixed[seen.block] & self._looks(seen))
         ends = np.stack([seen.t, seen.s, seen.r], axis=2) @ seen.axes
         road = self.level(ends @ self.strips.axes[0])
@@ -404,15 +414,14 @@ class Roadway:
         middle = np.average(self.above.s.mean(axis=1), weights=self.above.area)
         skew, below, bare, kept = [], [], [], []
         for way, seen in enumerate(self.beside):
-            eye = seen.axes[2]
+            eye, every = seen.axes[2], self._faces(seen)
             below.append(seen.block[self._covered((seen.middle + slit * eye) @ axes.T)])
             if way < 2:
                 skew.append(seen.block[np.abs(seen.normal @ axes[1]) > 1.0 / _PLUMB])
-                every = self._behind(self._steps[way][0])  # with no ground below what is fixed
+                bare_ground = self._behind(self._steps[way][0], every)
                 areas = (np.bincount(one.block, one.area, len(self.assembly.fixed))
-                         for one in (every, seen))  # fmt: skip
+                         for one in (bare_ground, seen))  # fmt: skip
                 kept.append(np.flatnonzero(np.subtract(*areas) > slit**2))
-            every = SeenStrips.all_of(self.assembly, seen.axes)
             away = (every.middle @ axes.T - [self.middle, middle, 0.0]) @ axes @ eye
             held = away > 0.0 if way < 2 else away < slit
             held &= (np.abs(every.normal[:, 2]) <= 1.0 / _PLUMB) & self._looks(every)
