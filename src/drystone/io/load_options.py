@@ -18,7 +18,7 @@ from drystone.io.jsontext import Field, parse
 from drystone.loads import Earth, Fill, LoadCase
 from drystone.loads.applied import Shaken, common_acceleration, with_shaken_weights
 from drystone.loads.load_words import (
-    chosen_case,
+    case_named,
     combined,
     gravity_size,
     gravity_vector,
@@ -175,19 +175,6 @@ def weighed_anew(case: LoadCase, before: Assembly, after: Assembly) -> LoadCase:
     return replace(case, wrench=case.wrench + more)
 
 
-def added(given: Any, assembly: Assembly, gravity: Any = None, shaken: bool = False) -> LoadCase:
-    """The sum of loads in words, and of parts as in our JSON, which may be a text too.
-
-    Their downward forces are weights of masses where they are ``shaken``.
-
-    Raises
-    ------
-    InputError
-        One cannot be read.
-    """
-    return _sum(_each(given, assembly, gravity, shaken))
-
-
 def _sum(each: Sequence[LoadCase]) -> LoadCase:
     return LoadCase.combine([(1.0, one) for one in each], " + ".join(one.name for one in each))
 
@@ -224,12 +211,17 @@ def grown(given: Any, model: Model, gravity: Any = None, shaken: bool = False) -
     InputError
         It cannot be read.
     """
-    along = Loads(gravity).acceleration
-    if isinstance(given, str) and not given.startswith("{"):
-        case = chosen_case(given, model.assembly, model.cases, along)
-        size = gravity_size(along)
-        return with_shaken_weights(model.assembly, case, size) if shaken else case
-    return added(given, model.assembly, along, shaken)
+    along, assembly = Loads(gravity).acceleration, model.assembly
+    if not isinstance(given, str) or given.startswith("{"):
+        return _sum(_each(given, assembly, along, shaken))
+    if ":" not in given or any(one.name == given for one in model.cases):
+        words = "; or write seismic:KX,KY or BLOCK:FX,FY,FZ[@X,Y,Z]"
+        case = case_named(given, model.cases, "CASE", words)
+    elif given.startswith("seismic:"):
+        case = seismic_of_words(given.removeprefix("seismic:"), assembly)
+    else:
+        case = load_of_words(given, assembly, "CASE", along)
+    return with_shaken_weights(assembly, case, gravity_size(along)) if shaken else case
 
 
 def _is_weight(assembly: Assembly, case: LoadCase) -> bool:

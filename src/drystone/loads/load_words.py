@@ -196,46 +196,29 @@ def combined(texts: Iterable[str], cases: Iterable[LoadCase]) -> LoadCase:
     InputError
         A factor is not a number, or the file has no such case.
     """
-    known = {case.name: case for case in cases}
     parts = []
     for text in texts:
         factor, star, name = text.rpartition("*")
-        if name not in known:
-            names = ", ".join(f"'{case}'" for case in known) or "none"
-            raise InputError(
-                f"no load case is called '{name}'", where="case", remedy=f"the file has {names}"
-            )
-        parts.append((_number(factor, "case") if star else 1.0, known[name]))
+        parts.append((_number(factor, "case") if star else 1.0, case_named(name, cases)))
     return LoadCase.combine(parts, name_of_sum(texts))
 
 
-def chosen_case(
-    text: str,
-    assembly: Assembly,
-    cases: Iterable[LoadCase],
-    gravity: _Direction | None = None,
+def case_named(
+    name: str, cases: Iterable[LoadCase], where: str = "case", more: str = ""
 ) -> LoadCase:
-    """A load case of the file by its name, ``seismic:KX,KY``, or ``BLOCK:WHAT[@X,Y,Z]``.
+    """The load case of a file with a name; ``more`` follows the names that there are.
 
     Raises
     ------
     InputError
-        None of the three.
+        The file has no such case.
     """
-    known = list(cases)
-    for case in known:
-        if case.name == text:
-            return case
-    if text.startswith("seismic:"):
-        return seismic_of_words(text.removeprefix("seismic:"), assembly)
-    if ":" not in text:
-        names = ", ".join(f"'{case.name}'" for case in known) or "none"
-        raise InputError(
-            f"no load case is called '{text}'",
-            where="CASE",
-            remedy=f"the file has {names}; or write seismic:KX,KY or BLOCK:FX,FY,FZ[@X,Y,Z]",
-        )
-    return load_of_words(text, assembly, "CASE", gravity)
+    known = {case.name: case for case in cases}
+    if name not in known:
+        names = ", ".join(f"'{case}'" for case in known) or "none"
+        remedy = f"the file has {names}{more}"
+        raise InputError(f"no load case is called '{name}'", where=where, remedy=remedy)
+    return known[name]
 
 
 def _number(text: str, where: str) -> float:

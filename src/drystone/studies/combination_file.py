@@ -14,12 +14,12 @@ from drystone.base.display import OneLine
 from drystone.base.errors import meant
 from drystone.base.files import PathLike, as_path, read_bytes
 from drystone.io.jsontext import Field, parse_toml, standard
+from drystone.io.load_options import grown
 from drystone.io.opening import kept_of
 from drystone.joint_capacity import NO_LIMIT
 from drystone.loads import LoadCase
 from drystone.loads.applied import with_shaken_weights
 from drystone.loads.case import STANDARD_GRAVITY
-from drystone.loads.load_words import chosen_case
 from drystone.loads.placing import GivenLoad
 from drystone.model import Model
 
@@ -565,7 +565,7 @@ def _acting(word: Field, one: Field, model: Model) -> LoadCase:
         raise word.error("a train is no load of a case", remedy)
     with word.blamed():
         own = word.text() == "model"
-        made = model.load if own else chosen_case(word.text(), model.assembly, model.cases)
+        made = model.load if own else grown(word.text(), model)
     shaken = one.get("shaken", False).boolean()
     return with_shaken_weights(model.assembly, made) if shaken else made
 
