@@ -7,7 +7,7 @@ import html
 import io
 import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
@@ -44,6 +44,8 @@ class Table(OneLine):
         enough as well, False where less is.
     hidden
         Columns that are left out where people read the table.
+    asked
+        Whether it tells what was asked, of which people read few rows, and not what was found.
 
     Raises
     ------
@@ -64,6 +66,7 @@ class Table(OneLine):
     units: Mapping[str, str] = field(default_factory=dict)
     bounds: Mapping[str, bool] = field(default_factory=dict)
     hidden: Collection[str] = ()
+    asked: bool = False
 
     def __post_init__(self) -> None:
         columns = {name: frozen(_column(values)) for name, values in self.columns.items()}
@@ -75,7 +78,8 @@ class Table(OneLine):
         object.__setattr__(self, "units", MappingProxyType(dict(self.units)))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Table, (self.title, dict(self.columns), dict(self.units), self.bounds, self.hidden)
+        own = self.title, dict(self.columns), dict(self.units), self.bounds, self.hidden, self.asked
+        return Table, own
 
     def _summary(self) -> str:
         return f"'{self.title}', {counted(len(self), 'row')}: {', '.join(self.headings())}"
@@ -144,7 +148,7 @@ class Table(OneLine):
         """Some of the rows, in the given order."""
         chosen = np.array([whole(row, "a row") for row in rows], dtype=np.intp)
         columns = {name: values[chosen] for name, values in self.columns.items()}
-        return Table(self.title, columns, self.units, self.bounds, self.hidden)
+        return replace(self, columns=columns)
 
     def to_dict(self) -> dict[str, Any]:
         """Title, units and rows as plain values for JSON; NaN and infinity become None."""

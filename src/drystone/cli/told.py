@@ -115,8 +115,8 @@ class Told:
         screen.dim(self.answer.asked.line())
 
 
-_LOADS = 4
-"""Rows of loads that are printed. Chosen: they were asked for, and of fill there is one a block."""
+_ASKED = 4
+"""Rows of what was asked that are printed, as of loads. Chosen: of fill there is one a block."""
 
 
 def _show(screen: Screen, answer: Answer, subject: str, everything: bool) -> None:
@@ -135,7 +135,7 @@ def _show(screen: Screen, answer: Answer, subject: str, everything: bool) -> Non
 def show_table(screen: Screen, table: Table, everything: bool = False) -> None:
     """The first rows of a table, those that are equal but for a name on one line; or all."""
     heads, rows = table.cells()
-    listed = _LOADS if table.title == "loads" else LISTED
+    listed = _ASKED if table.asked else LISTED
     if everything or not isinstance(next(iter(table.columns.values()))[0], str):
         screen.table(heads, rows, len(rows) if everything else listed)
         return

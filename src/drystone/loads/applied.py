@@ -69,7 +69,7 @@ class AppliedLoads(OneLine):
             "force": np.vstack([*[self.earthquake] * shaken, self.force]),
             "moment": np.vstack([*[np.zeros(3)] * shaken, self.moment]),
         }
-        return Table("loads", columns, {"point": "m", "force": "N", "moment": "N m"})
+        return Table("loads", columns, {"point": "m", "force": "N", "moment": "N m"}, asked=True)
 
 
 def applied_loads(assembly: Assembly, load: LoadCase, common: Floats | None = None) -> AppliedLoads:

@@ -293,7 +293,7 @@ def _answer(answer: Answer) -> Iterator[Part]:
             yield one.text[:1].upper() + one.text[1:]
     yield from sketches.answer_pictures(answer)
     for table in answer.tables():
-        if len(table) and table.title != "loads":
+        if len(table) and not table.asked:
             yield table
     limit = answer.limit if isinstance(answer, TrainEnvelope) else answer
     told = "Proof, computed again (forces by mean block weight, lengths by block size)"
