@@ -19,14 +19,15 @@ from drystone.checks import first_motion_of
 from drystone.design.bench import ALIKE, Bench, Held, Proposals, Take, Tries
 from drystone.design.changed_model import acceleration_of
 from drystone.design.changes import Change, block_added, props_at
-from drystone.design.margin import SMALL_REGION, DesignMargin, quick_check
+from drystone.design.margin import LARGE_REGION, SMALL_REGION, DesignMargin, quick_check
 from drystone.design.needs import KnownNeeds, props_of
 from drystone.design.props import PropSeat, carries, find_props, seats, struts
 from drystone.design.search import least
 from drystone.design.words import NAMED, force_words, listed, names_of, place
 from drystone.loads import LoadCase
 from drystone.model import Model
-from drystone.sequence.scaffold_seats import in_the_open
+from drystone.sequence.scaffold_seats import Landing, first_met, in_the_open, surface_triangles
+from drystone.supports import props_of as added_props
 from drystone.ties import tied
 
 _FIRST = 6
@@ -100,16 +101,15 @@ def _shores(bench: Bench) -> list[list[PropSeat]]:
 
     As two raking shores against walls that spread: the most level ones first, then the highest.
     """
-    local, down = bench.local, acceleration_of(bench.local)
-    up = -down / max(float(np.linalg.norm(down)), np.finfo(float).tiny)
+    local = bench.local
     some = [] if bench.large else bench.own
     places = [one for i in some for one in seats(local, i, bench.motion[i])]
     if not places:
         return []
     block = np.array([one.block for one in places])
-    normal, high = np.array([one.normal for one in places]), [one.middle @ up for one in places]
-    steep, size = normal @ up, local.assembly.size[block]
-    level, volume = normal - steep[:, None] * up, local.assembly.volume[block]
+    level, steep = _parted(bench, np.array([one.normal for one in places]))
+    _, high = _parted(bench, np.array([one.middle for one in places]))
+    size, volume = local.assembly.size[block], local.assembly.volume[block]
     off = np.abs(level[:, None] + level).max(axis=2) + np.abs(steep[:, None] - steep)
     off += np.abs(np.subtract.outer(high, high)) / size + np.abs(volume[:, None] / volume - 1.0)
     pairs = np.argwhere(np.triu(off < ALIKE) & (np.abs(steep) < _LEVEL) & (block[:, None] != block))
@@ -143,17 +143,17 @@ def _by_force(
     bench: Bench, count: int, words: Callable[[Floats, Floats], str], change: Change
 ) -> Held:
     """A change told by the forces [N] of its last joints at the margin."""
-    make = change.make(0.0)
-    forces, points = bench.largest_forces(make, count)
+    forces, points = bench.largest_forces(change, count)
     told, total = words(forces, points), float(np.linalg.norm(forces, axis=1).sum())
     if bench.margin != DesignMargin():
         told += ": the largest force at the margin"
-    joints, added = change.joints, change.added
-    return Change.single(change.kind, make, told, total, joints=joints, added=added), total
+    make, size = change.make(0.0), (change.joints, change.added)
+    single = Change.single(change.kind, make, told, total, *size)
+    return replace(single, beyond=change.beyond), total
 
 
-def _steady(bench: Bench, block: int, force: Floats, point: Floats) -> str:
-    """The least steady force of a jack that holds a region, at most that of the prop."""
+def _steady(bench: Bench, block: int, force: Floats, point: Floats, what: str = "pushes") -> str:
+    """The least steady force of a jack that holds a region, at most that of the prop or tie."""
     if bench.large or bench.margin != DesignMargin():
         return ""
     local = bench.local
@@ -164,22 +164,32 @@ def _steady(bench: Bench, block: int, force: Floats, point: Floats) -> str:
 
     share, size = least(stands, (1.0,)) or 0.0, math.hypot(*force)
     told = quantity(min(rounded_up(share * size, 2), size), "N")
-    return f"; a jack that pushes by a steady {told} holds it" if share else ""
+    return f"; a jack that {what} by a steady {told} holds it" if share else ""
 
 
 _Ends: TypeAlias = tuple[int, int]
+_Back: TypeAlias = tuple[Floats, Landing]
+"""A tie: where it begins (3,) [m], and where it ends."""
 
 
 def tie(asked: KnownNeeds) -> Proposals:
-    """Ties between the centroids of two blocks that move apart: they pull, and never press.
+    """Ties: they pull, and never press.
 
-    One, else more: each between those that move apart fastest with the ties before it.
+    One from a block back to what stands behind it, one between the centroids of two blocks that
+    move apart; else more: each between those that move apart fastest with the ties before it.
     """
     bench, local = asked.bench, asked.bench.local
     centroid, size = local.assembly.centroid, local.assembly.size.max()
+    held, back = list[Change](), _tied_back(bench)
+
+    def told_back(change: Change) -> Held:
+        held.append(change)
+        return _by_force(bench, change.added, back[change], change)
+
+    yield Tries(list(back), "", Take.FIRST, told=told_back)
     rate, apart = _apart(bench, bench.motion)
     if not len(apart):
-        yield "no blocks move apart"
+        yield from () if held else ("no blocks move apart",)
         return
     far = lengths(centroid[apart[:, 0]] - centroid[apart[:, 1]])
     bulk = np.round(far / size * (rate.max() / rate), 6)
@@ -200,7 +210,7 @@ def tie(asked: KnownNeeds) -> Proposals:
         for (i, j), force in zip(ties, forces, strict=True):
             far, pull = np.linalg.norm(centroid[i] - centroid[j]), math.hypot(*force)
             between = f"the middles of {names_of(local, [i, j])}, {far:.3g} m apart"
-            free = in_the_open(bench.model.assembly, *bench.blocks[[i, j]].tolist())
+            free = in_the_open(bench.model.assembly, *centroid[[i, j]])
             if through([(i, j)]):
                 between += " through their joint"
             elif free > 0.01 * far:
@@ -230,7 +240,8 @@ def tie(asked: KnownNeeds) -> Proposals:
     twins = (apart[:, None] == _twins(bench)).all(axis=2).any(axis=1)
     aside = ~(twins & (bulk <= 2.0 * bulk.min()))
     first = apart[np.lexsort((_off(bench, apart), bulk, aside, dowels))].tolist()
-    why = f"a tie between blocks that move apart, of {counted(len(first), 'pair')}"
+    why = "" if held else f"a tie between blocks that move apart, of {counted(len(first), 'pair')}"
+    why += f", or to what stands behind, of {counted(len(back), 'block')}" if why and back else ""
     several: list[tuple[_Ends, ...]] = [((i, j),) for i, j in first]
     ties: tuple[_Ends, ...] = ()
     for count in range(2, _TIES + 2):
@@ -246,6 +257,75 @@ def tie(asked: KnownNeeds) -> Proposals:
         apart = _apart(bench, first_motion_of(fallen.model, fallen.prop), ties)[1]
         several = [(*ties, (i, j)) for i, j in apart[:1].tolist()]
         why = f"{count} ties, each where most"
+
+
+def _tied_back(bench: Bench) -> dict[Change, Callable[[Floats, Floats], str]]:
+    """Ties from blocks to others beyond the region that these do not touch, with their words.
+
+    Each is level, against the first motion of its block, and ends where it meets the other one: one
+    from the middle, else one from each end. That with the least pull times length by virtual work
+    comes first.
+    """
+    model, own, region = bench.model, bench.local.assembly, np.array(bench.region)
+    level = _parted(bench, bench.motion[bench.own, :3])[0]
+    speed = lengths(level)
+    triangles, owner = surface_triangles(model.assembly)
+    beyond = ~np.isin(owner, region) & ~added_props(model.assembly)[owner]
+    surface = triangles[beyond], owner[beyond]
+    a, b = model.contacts.block_a, model.contacts.block_b
+    span = float(np.linalg.norm(np.ptp(model.assembly.bounds, axis=(0, 1))))
+    found: list[tuple[float, float, int, list[_Back]]] = []
+    for i in np.argsort(-speed, kind="stable")[:LARGE_REGION].tolist():
+        if speed[i] <= ALIKE * speed.max():
+            continue
+        middle, whole, way = own.centroid[i], bench.region[i], -level[i] / speed[i]
+        across = np.cross(acceleration_of(bench.local), way)
+        along = (own.blocks[i].vertices - middle) @ across / (across @ across)
+        ends = [middle + 0.9 * share * across for share in (along.min(), along.max())]
+        beside = {*a[b == whole].tolist(), *b[a == whole].tolist()}
+        for starts in ([middle], ends):
+            met = [(at, first_met(surface, whole, at, at + span * way)) for at in starts]
+            ties = [(at, one) for at, one in met if one is not None and one.block not in beside]
+            if len(ties) == len(starts):
+                far = sum(float(np.linalg.norm(one.point - at)) for at, one in ties)
+                bulk = round(far / span * speed.max() / speed[i], 6)
+                found.append((bulk, _off(bench, np.array([[i, i]]))[0], i, ties))
+                break
+
+    def make(block: str, ties: list[_Back], model: Model, *_: Ints) -> Model:
+        for at, met in ties:
+            pair = model.assembly.indices([block, names[met.block]]).tolist()
+            model = tied(model, *pair, at=at, anchor=met.point)
+        return model
+
+    def words(i: int, ties: list[_Back], forces: Floats, points: Floats) -> str:
+        told = []
+        for (at, met), force in zip(ties, forces, strict=True):
+            free = in_the_open(model.assembly, at, met.point)
+            ends = f"from {place(at)} to {names_of(model, [met.block])} at {place(met.point)}"
+            told.append(
+                f"{quantity(math.hypot(*force), 'N')} {ends}, {free:.3g} m of it in the open"
+            )
+        what = f"{len(ties)} ties that pull" if len(ties) > 1 else "a tie that pulls"
+        said = f"{what} {names_of(model, [bench.region[i]])} back by {listed(told)}"
+        return said + (_steady(bench, i, forces[0], points[0], "pulls") if len(ties) == 1 else "")
+
+    names, made = model.assembly.names, {}
+    for _, _, i, ties in sorted(found, key=lambda one: one[:2])[:_FIRST]:
+        change = Change.single(
+            "tie", partial(make, names[bench.region[i]], ties), "", added=len(ties)
+        )
+        new = {met.block for _, met in ties} - set(bench.blocks.tolist())
+        made[replace(change, beyond=tuple(sorted(new)))] = partial(words, i, ties)
+    return made
+
+
+def _parted(bench: Bench, ways: Floats) -> tuple[Floats, Floats]:
+    """Directions (w, 3) without their part along gravity, and that (w,), upwards."""
+    down = acceleration_of(bench.local)
+    up = -down / max(float(np.linalg.norm(down)), np.finfo(float).tiny)
+    rise: Floats = ways @ up
+    return ways - rise[:, None] * up, rise
 
 
 def _apart(bench: Bench, motion: Floats, ties: tuple[_Ends, ...] = ()) -> tuple[Floats, Ints]:

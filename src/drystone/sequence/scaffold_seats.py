@@ -218,9 +218,8 @@ def first_met(
     return Landing(int(owner[first]), start + share[first] * (end - start), normal)
 
 
-def in_the_open(assembly: Assembly, one: int, other: int) -> float:
-    """How much of the line between the centroids of two blocks lies in no block [m]."""
-    start, end = assembly.centroid[[one, other]]
+def in_the_open(assembly: Assembly, start: Floats, end: Floats) -> float:
+    """How much of the line from a point (3,) to another one [m] lies in no block [m]."""
     triangles, _ = surface_triangles(assembly)
     hit, share = crossings(start, end, triangles)
     cuts = np.unique([0.0, *share[hit], 1.0])

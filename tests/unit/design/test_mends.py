@@ -258,6 +258,38 @@ def test_a_flat_arch_that_spreads_is_tied_from_side_to_side() -> None:
     assert found.change.value < 700.0
 
 
+@pytest.mark.parametrize(
+    ("behind", "pull"),
+    [
+        ({"back": box((3.0, 0.5, 4.0), (-1.5, 2.5, 0.0))}, "from (0, 0.25, 3) m to 'back'"),
+        (
+            {x: box((0.5, 2.0, 4.0), (at, 0.8, 0.0)) for x, at in (("left", -1.5), ("right", 1.0))},
+            "from (-1.35, 0.25, 3) m to 'left'",
+        ),
+    ],
+)
+def test_a_facade_that_a_roof_pushes_is_tied_back_at_its_top(
+    behind: dict[str, Block], pull: str
+) -> None:
+    """By a wall behind it, or two beside that it does not touch.
+
+    About the foot of the upper course: 12 kN x 2 m = weight x 0.25 m + pull x 1 m.
+    """
+    facade = [box((3.0, 0.5, 2.0), (-1.5, 0.0, z), f"facade-{z:g}") for z in (0.0, 2.0)]
+    back = [block.renamed(name) for name, block in behind.items()]
+    blocks = Assembly((box((6.0, 8.0, 1.0), (-3.0, -4.0, -1.0), "ground"), *facade, *back))
+    push = LoadCase.point_load(blocks, 2, (0.0, -12e3, 0.0), (0.0, 0.25, 4.0))
+    model = Model.of(blocks.with_fixed(["ground", *behind]), friction=0.6)
+    model = model.with_load(model.load + push)
+    (found,) = find_mends(model, options=MendOptions(kinds=("tie",))).mends
+    least = 24e3 - 0.25 * 9.81 * float(blocks.mass[1])
+    assert least < found.change.value < 1.5 * least
+    assert pull in found.change.description
+    assert found.change.added == len(behind)
+    if len(behind) == 1:
+        assert f"pulls by a steady {least / 1e3 + 0.05:.1f} kN" in found.change.description
+
+
 def test_two_blocks_that_nothing_presses_need_two_props(tmp_path: Path) -> None:
     walls = box((1.0, 1.0, 3.0), name="left"), box((1.0, 1.0, 3.0), (3.0, 0.0, 0.0), "right")
     loose = (box((1.0, 1.0, 1.0), (1.0, 0.0, 1.0), "one"),
