@@ -40,6 +40,9 @@ twice as much."""
 _LEVEL = 0.5
 """A prop is level where its direction is less than 30 degrees from that. Chosen."""
 
+_END = 0.9
+"""Where a tie at an end of a block begins, by the way from its middle to that. Chosen."""
+
 _TIES = 4
 """Number of ties that are tried together in a region. Chosen: two arches under a beam need two."""
 
@@ -266,58 +269,65 @@ def _tied_back(bench: Bench) -> dict[Change, Callable[[Floats, Floats], str]]:
     from the middle, else one from each end. That with the least pull times length by virtual work
     comes first.
     """
-    model, own, region = bench.model, bench.local.assembly, np.array(bench.region)
+    model = bench.model
     level = _parted(bench, bench.motion[bench.own, :3])[0]
-    speed = lengths(level)
+    speed, most = lengths(level), float(lengths(level).max())
     triangles, owner = surface_triangles(model.assembly)
-    beyond = ~np.isin(owner, region) & ~added_props(model.assembly)[owner]
+    beyond = ~np.isin(owner, bench.region) & ~added_props(model.assembly)[owner]
     surface = triangles[beyond], owner[beyond]
-    a, b = model.contacts.block_a, model.contacts.block_b
-    span = float(np.linalg.norm(np.ptp(model.assembly.bounds, axis=(0, 1))))
     found: list[tuple[float, float, int, list[_Back]]] = []
     for i in np.argsort(-speed, kind="stable")[:LARGE_REGION].tolist():
-        if speed[i] <= ALIKE * speed.max():
-            continue
-        middle, whole, way = own.centroid[i], bench.region[i], -level[i] / speed[i]
-        across = np.cross(acceleration_of(bench.local), way)
-        along = (own.blocks[i].vertices - middle) @ across / (across @ across)
-        ends = [middle + 0.9 * share * across for share in (along.min(), along.max())]
-        beside = {*a[b == whole].tolist(), *b[a == whole].tolist()}
-        for starts in ([middle], ends):
-            met = [(at, first_met(surface, whole, at, at + span * way)) for at in starts]
-            ties = [(at, one) for at, one in met if one is not None and one.block not in beside]
-            if len(ties) == len(starts):
-                far = sum(float(np.linalg.norm(one.point - at)) for at, one in ties)
-                bulk = round(far / span * speed.max() / speed[i], 6)
-                found.append((bulk, _off(bench, np.array([[i, i]]))[0], i, ties))
-                break
+        ties = _back(bench, surface, i, -level[i] / speed[i]) if speed[i] > ALIKE * most else []
+        if ties:
+            far = sum(float(np.linalg.norm(met.point - at)) for at, met in ties)
+            bulk = round(far / model.assembly.size.max() * most / speed[i], 6)
+            found.append((bulk, _off(bench, np.array([[i, i]]))[0], i, ties))
 
-    def make(block: str, ties: list[_Back], model: Model, *_: Ints) -> Model:
-        for at, met in ties:
-            pair = model.assembly.indices([block, names[met.block]]).tolist()
-            model = tied(model, *pair, at=at, anchor=met.point)
-        return model
-
-    def words(i: int, ties: list[_Back], forces: Floats, points: Floats) -> str:
-        told = []
-        for (at, met), force in zip(ties, forces, strict=True):
-            free = in_the_open(model.assembly, at, met.point)
-            ends = f"from {place(at)} to {names_of(model, [met.block])} at {place(met.point)}"
-            told.append(
-                f"{quantity(math.hypot(*force), 'N')} {ends}, {free:.3g} m of it in the open"
-            )
-        what = f"{len(ties)} ties that pull" if len(ties) > 1 else "a tie that pulls"
-        said = f"{what} {names_of(model, [bench.region[i]])} back by {listed(told)}"
-        return said + (_steady(bench, i, forces[0], points[0], "pulls") if len(ties) == 1 else "")
-
-    names, made = model.assembly.names, {}
+    made: dict[Change, Callable[[Floats, Floats], str]] = {}
     for _, _, i, ties in sorted(found, key=lambda one: one[:2])[:_FIRST]:
-        change = Change.single(
-            "tie", partial(make, names[bench.region[i]], ties), "", added=len(ties)
-        )
+        make = partial(_tie_back, model.assembly, bench.region[i], ties)
+        change = Change.single("tie", make, "", added=len(ties))
         new = {met.block for _, met in ties} - set(bench.blocks.tolist())
-        made[replace(change, beyond=tuple(sorted(new)))] = partial(words, i, ties)
+        made[replace(change, beyond=tuple(sorted(new)))] = partial(_back_words, bench, i, ties)
     return made
+
+
+def _tie_back(whole: Assembly, block: int, ties: list[_Back], model: Model, *_: Ints) -> Model:
+    """A model, whole or local, with ties of a block of the whole."""
+    for at, met in ties:
+        one, other = model.assembly.indices([whole.names[i] for i in (block, met.block)]).tolist()
+        model = tied(model, one, other, at=at.tolist(), anchor=met.point.tolist())
+    return model
+
+
+def _back_words(bench: Bench, block: int, ties: list[_Back], forces: Floats, points: Floats) -> str:
+    """Ties of a block with their forces [N] as text; of a single one the least steady pull, too."""
+    told, model = list[str](), bench.model
+    for (at, met), force in zip(ties, forces, strict=True):
+        free = in_the_open(model.assembly, at, met.point)
+        ends = f"from {place(at)} to {names_of(model, [met.block])} at {place(met.point)}"
+        told.append(f"{quantity(math.hypot(*force), 'N')} {ends}, {free:.3g} m of it in the open")
+    what = f"{len(ties)} ties that pull" if len(ties) > 1 else "a tie that pulls"
+    said = f"{what} {names_of(model, [bench.region[block]])} back by {listed(told)}"
+    return said + (_steady(bench, block, forces[0], points[0], "pulls") if len(ties) == 1 else "")
+
+
+def _back(bench: Bench, surface: tuple[Floats, Ints], block: int, way: Floats) -> list[_Back]:
+    """Ties along a level direction (3,) from a block to others that it does not touch."""
+    own, whole = bench.local.assembly, bench.region[block]
+    a, b = bench.model.contacts.block_a, bench.model.contacts.block_b
+    beside = {*a[b == whole].tolist(), *b[a == whole].tolist()}
+    far = float(np.linalg.norm(np.ptp(bench.model.assembly.bounds, axis=(0, 1))))
+    middle = own.centroid[block]
+    across = np.cross(acceleration_of(bench.local), way)
+    along = (own.blocks[block].vertices - middle) @ across / (across @ across)
+    ends = [middle + _END * share * across for share in (along.min(), along.max())]
+    for starts in ([middle], ends):
+        met = [(at, first_met(surface, whole, at, at + far * way)) for at in starts]
+        ties = [(at, one) for at, one in met if one is not None and one.block not in beside]
+        if len(ties) == len(starts):
+            return ties
+    return []
 
 
 def _parted(bench: Bench, ways: Floats) -> tuple[Floats, Floats]:
