@@ -108,10 +108,12 @@ def load_layers(assembly: Assembly, load: LoadCase) -> tuple[Layer, ...]:
     acceleration that most masses have is one arrow, with the sum of their forces, that ends at
     their centre.
     """
-    alone = load
-    if load.surface is not None:
-        alone = replace(load, wrench=load.wrench - load.surface.wrench)
-    applied = applied_loads(assembly, alone)
+    turns = np.zeros_like(load.wrench)  # as given: beside a force they would only shift its line
+    for one in load.each:
+        np.add.at(turns, one.block, one.wrench * ~one.wrench[:, :3].any(axis=1, keepdims=True))
+    on_faces = 0.0 if load.surface is None else load.surface.wrench
+    alone = replace(load, wrench=load.wrench - on_faces - turns)
+    applied, turning = (applied_loads(assembly, x) for x in (alone, LoadCase(turns)))
     layers = []
     pushed = np.flatnonzero(applied.force.any(axis=1))
     if len(pushed):
@@ -122,16 +124,18 @@ def load_layers(assembly: Assembly, load: LoadCase) -> tuple[Layer, ...]:
                 group="loads",
             )
         )  # fmt: skip
-    turned = np.flatnonzero(applied.moment.any(axis=1))
-    if len(turned):
-        most = quantity(float(lengths(applied.moment).max()), "N m")
-        start, way = _turns(assembly, applied.block[turned], applied.moment[turned])
-        at, sides = applied.point[turned], start.shape[1]
+    block, at, moment = (
+        np.concatenate([getattr(one, name)[one.moment.any(axis=1)] for one in (applied, turning)])
+        for name in ("block", "point", "moment")
+    )
+    if len(block):
+        most = quantity(float(lengths(moment).max()), "N m")
+        start, way = _turns(assembly, block, moment)
         layers.append(
             Layer(
                 "moments", f"moments, up to {most}", LayerKind.LINES, "load",
                 (at[:, None] + start).reshape(-1, 3), way.reshape(-1, 3),
-                block=np.repeat(applied.block[turned], sides), width=2.0,
+                block=np.repeat(block, start.shape[1]), width=2.0,
             )
         )  # fmt: skip
     layers += _surface_layer(assembly, load)

@@ -8,7 +8,7 @@ import shapely
 
 import drystone
 from drystone import LoadCase
-from drystone.answer.drawing import bare_scene
+from drystone.answer.drawing import bare_scene, load_layers
 from drystone.joint_capacity import JointCapacity
 from drystone.loads import Fill
 from drystone.loads.applied import applied_loads
@@ -72,6 +72,16 @@ def test_a_force_ends_where_its_line_enters_the_block(loaded: drystone.Result) -
     assert table["block"].tolist() == ["earthquake", KEY, loaded.assembly.names[3]]
     assert table["moment"][2] == pytest.approx([0.0, 30.0, 0.0])
     assert dict(table.units) == {"point": "m", "force": "N", "moment": "N m"}
+
+
+def test_a_moment_is_drawn_beside_a_force_on_the_same_block() -> None:
+    """Together they are a force 0.8 m beside the block."""
+    assembly = tower(2)
+    load = LoadCase.gravity(assembly) + LoadCase.moment(assembly, 1, (800.0, 0.0, 0.0))
+    load += LoadCase.point_load(assembly, 1, (0.0, 0.0, -1000.0))
+    drawn = {one.key: one for one in load_layers(assembly, load)}
+    assert drawn["moments"].label == "moments, up to 800 N m"
+    assert drawn["loads"].position[0] == pytest.approx([*assembly.centroid[1, :2], 2.0])
 
 
 def test_an_earthquake_is_one_arrow_with_the_force_of_all_masses(loaded: drystone.Result) -> None:
