@@ -85,7 +85,8 @@ class Solution(MayStop, OfModel, OneLine):
         A collapse mechanism or first motion, scaled so that its largest translation of a corner is
         the size of a block.
     prop : (n, 6) [N, N m]
-        Wrench that a prop would have to supply to each block.
+        Wrench that a prop would have to supply to each block; with all of them it stands at the
+        margin only, with less it falls.
     falling
         Positions of the blocks that fall; in the penalty form those that need help, neediest first.
     sensitive_to
