@@ -508,18 +508,18 @@ class PlaneFactors(LoadFactors):
         slides = rough + sparse.kron(one, np.array([[0.0, 1.0], [0.0, -1.0]]))
         builder.at_most("friction", np.zeros(2 * count), (force, slides))
         edges, strength = self._faces
+        shape = len(edges), 2 * count
         at_edge = [
-            sparse.csr_matrix(
-                (1.0 / strength, (np.arange(len(edges)), 2 * edge)), (len(edges), 2 * count)
-            )
+            sparse.csr_matrix((np.ones(len(edges)), (np.arange(len(edges)), 2 * edge)), shape)
             for edge in edges.T
         ]
-        whole = sparse.kron(at_edge[0] + at_edge[1], np.array([[0.0], [-2.0], [0.0]]))
+        both = sparse.diags(-np.sqrt(2.0 / strength)) @ (at_edge[0] + at_edge[1])
+        # in units of weights: in those of strengths, a thousand times as much, programs fail
         for number, one in enumerate(at_edge if len(edges) else ()):
-            rows = whole + sparse.kron(one, np.array([[-1.0], [0.0], [-1.0]]))
-            builder.cone(
-                f"strength {number}", 3, np.tile([2.0, 0.0, -2.0], len(edges)), (force, rows)
-            )
+            outer = sparse.kron(one, np.array([[-1.0], [0.0], [-1.0]]))
+            middle = sparse.kron(both, np.array([[0.0], [1.0], [0.0]]))
+            right = np.tile([1.0, 0.0, -1.0], len(edges))
+            builder.cone(f"strength {number}", 3, right, (force, outer + middle))
         return builder.build()
 
     def _state(self, program: ConicProgram, raw: ConicSolution) -> EquilibriumSolution:

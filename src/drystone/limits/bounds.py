@@ -617,13 +617,13 @@ class Crossing:
 
 
 def factor_of(one: PlacedTrain) -> float:
-    """For the least one."""
-    return one.factor
+    """For the least one: what was not found may be less than all others."""
+    return -math.inf if math.isnan(one.found.factor) else one.found.factor
 
 
 def _less(one: PlacedTrain, other: PlacedTrain) -> bool:
     """Whether a factor is less than another by more than rounding."""
-    return one.factor < other.factor - 1e-6 * abs(other.factor)
+    return factor_of(one) < factor_of(other) - 1e-6 * abs(factor_of(other))
 
 
 def _moved(adverse: Bools) -> list[Bools]:

@@ -258,6 +258,11 @@ class TrainEnvelope(Answer):
         said.append(
             Sentence(f"by equilibrium{self._ductile} at {known}{between}: {factor}; {checked}")
         )
+        lost = self.places[np.isnan(self.factors)]
+        if len(lost):
+            at = ", ".join(f"{x:.3g}" for x in lost)
+            why = f"not found at x = {at} m, where it may be less: ask with other steps"
+            said.append(Sentence(why, Role.BAD))
         if self.train.line:
             said.append(self._of_line)
         if self._ductile:

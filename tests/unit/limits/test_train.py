@@ -114,6 +114,19 @@ def test_a_train_with_a_heavy_end_is_moved_both_ways(bridge: Model) -> None:
     assert found.factors == pytest.approx(found.factors[::-1], rel=1e-6)
 
 
+def test_strong_stone_carries_what_stone_that_never_crushes_does(bridge: Model) -> None:
+    """Programs in units of strengths failed: at half of the places, so that one way was lost."""
+    quick = LimitOptions(equilibrium_only=True)
+    cart = Train("cart", (0.0, 1.1, 3.0), (6e4, 9e4, 4.5e4), contact=0.3)
+    hard = bridge.with_capacity(JointCapacity.of_stress(bridge.contacts, compression=1e9))
+    found = limit_train(hard, train=cart, fill=FILL, steps=2, options=quick)
+    other = limit_train(bridge, train=cart, fill=FILL, steps=2, options=quick)
+    assert found.factors[[0, -1]] == pytest.approx(other.factors[[0, -1]], rel=3e-3)
+    lost = replace(found, factors=np.append(np.nan, found.factors[1:]))
+    told = [one.text for one in lost.sentences() if one.role is Role.BAD]
+    assert f"not found at x = {found.places[0]:.3g} m, where it may be less" in "; ".join(told)
+
+
 PLANK = Assembly(
     (
         box((2.0, 1.0, 1.0), (-1.0, 0.0, -1.0), "rest"),
