@@ -44,7 +44,12 @@ def mend(
         Of(
             "drystone.design.MendOptions",
             flags={"kinds": "--kind"},
-            metavars={"margin": "WHAT", "kinds": "KIND", "keep": "BLOCKS"},
+            metavars={
+                "margin": "WHAT",
+                "kinds": "KIND",
+                "keep": "BLOCKS",
+                "train": "NAME|FILE",
+            },
         ),
     ],
     everything: Annotated[

@@ -27,6 +27,9 @@ from drystone.design.whole_check import mends_of_kind
 from drystone.design.words import NOTHING, listed, names_of
 from drystone.io.opening import Given, LongHow, as_model
 from drystone.limits.bounds import with_margins
+from drystone.limits.train_limit import limit_train
+from drystone.loads import Train
+from drystone.loads.placing import GivenLoad
 from drystone.model import Model
 from drystone.results import Result
 from drystone.stability import check
@@ -69,6 +72,7 @@ def mend(given: Given, *, options: MendOptions | None = None, **how: Unpack[Long
     log: list[str] = []
     passed: dict[frozenset[str], str] = {}
     passed_at = 0
+    model = _under_train(model, chosen, clock)[0]
     result = chosen.margin.holds(model, clock.late)
     with WorkerPool(clock.workers) as pool:
         while True:
@@ -86,6 +90,7 @@ def mend(given: Given, *, options: MendOptions | None = None, **how: Unpack[Long
                 steps.append(kept)
                 whose = f"{kept.whose}: " if kept.whose else ""
                 log.append(f"{whose}{kept.description} (cost {kept.cost:.3g})")
+                model = _under_train(model, chosen, clock)[0]
                 result = chosen.margin.holds(model, clock.late)
             elif passed and passed_at < len(steps):  # what was mended since may hold them
                 passed, passed_at = {}, len(steps)
@@ -123,6 +128,9 @@ def _left(result: Result, case: str) -> str:
     return f"{case}, {said}" if case else said
 
 
+_PLACES = 20
+"""Places of a train before and after a mend; chosen, as in the tutorial of a bridge."""
+
 _BUILT = (
     "each was checked when it is complete; whether it can be built block by block was not tried: "
     "--apply 1 --out mended.json makes mend 1, then drystone plan mended.json"
@@ -159,11 +167,15 @@ class MendOptions(Options):
     keep
         Blocks that may not be changed: names and patterns, separated by commas, or positions. Their
         joints are not changed either; what is added may touch them.
+    train
+        That has to cross the model, with the fill of its load: it is mended under the train where
+        that is carried least, and each mend is then asked of all places.
     """
 
     margin: DesignMargin = field(default_factory=DesignMargin)
     kinds: tuple[str, ...] = KINDS
     keep: tuple[int | str, ...] = ()
+    train: Train | None = None
 
     def __post_init__(self) -> None:
         for name in ("kinds", "keep"):
@@ -244,6 +256,7 @@ class Mends(Answer):
                 )
             nearest = min(again, key=wanted.far_from)
             model, kept = nearest.model, [*kept, nearest.change]
+        model = _under_train(model, chosen, clock)[0]
         result = margin.holds(model, clock.late)
         stands = margin.meets(result)
         words = "; ".join(one.description for one in kept)
@@ -510,9 +523,13 @@ def find_mends(
     clock = Clock.of(how)
     model = as_model(given, **how)
     keep = kept_blocks(model, chosen.keep)
+    carried = ""
+    if result is None:
+        model, carried = _under_train(model, chosen, clock)
     first = chosen.margin.holds(model, clock.late) if result is None else result
     found, message = _fallen(first, chosen, clock)
-    case = chosen.margin.case_of(first, model)
+    case = _case(first, model, chosen)
+    message = carried if message and carried else message
     if message:
         return Mends(found, message=message, case=case)
     tell_one = found_one or bool
@@ -533,7 +550,7 @@ def find_mends(
             own: list[Changed] = []
             several = pool.answers(task, chosen.kinds, clock.late)
             for done, (made, failed) in enumerate(several, 1):
-                new = _with_margin(made, clock.late)
+                new = [_crossed(one, chosen, clock) for one in _with_margin(made, clock.late)]
                 own += new
                 tried += [(names, one) for one in failed]
                 for one in new:
@@ -554,6 +571,48 @@ def _alike_words(like: Mapping[int, int]) -> str:
 def _numbers(positions: Sequence[int]) -> str:
     """The numbers of mends as text."""
     return listed([f"{i + 1}" for i in positions])
+
+
+def _under_train(model: Model, chosen: MendOptions, clock: Clock) -> tuple[Model, str]:
+    """A model under the train of the options where that is carried least, and what is said of it.
+
+    Without the train where it is carried at all places, or the model falls alone.
+    """
+    if chosen.train is None:
+        return model, ""
+    alone = model.with_load(model.load.without(_trains(model, chosen)))
+    found = limit_train(alone, train=chosen.train, steps=_PLACES, **clock.rest)
+    if found.stopped or found.falls_alone or found.carried:
+        return alone, found.title
+    return found.loaded, found.title
+
+
+def _trains(model: Model, chosen: MendOptions) -> list[GivenLoad]:
+    """The train of the options among the loads of a model."""
+    train = chosen.train
+    at = None if train is None else f"{train.name} at "
+    return [one for one in model.load.each if at and one.words.startswith(at)]
+
+
+def _case(result: Result, model: Model, chosen: MendOptions) -> str:
+    """Words for the place of the train, and the case of the margin, of which a result is."""
+    said = [f"under {one.words}" for one in _trains(model, chosen)]
+    return ", ".join([*said, *filter(None, [chosen.margin.case_of(result, model)])])
+
+
+def _crossed(made: Changed, chosen: MendOptions, clock: Clock) -> Changed:
+    """A mend with what the train of the options says of it at all places."""
+    if chosen.train is None:
+        return made
+    model, said = _under_train(made.model, chosen, clock)
+    kept = replace(
+        made.change,
+        description=f"{made.change.description}; of all places: {said[0].lower()}{said[1:]}",
+    )
+    made = replace(made, changes=(kept,), words=kept.description)
+    if not _trains(model, chosen):
+        return made
+    return replace(made, result=chosen.margin.holds(model, clock.late), stands=False)
 
 
 def _with_margin(made: Sequence[Changed], stop: Stop) -> list[Changed]:

@@ -31,6 +31,7 @@ from drystone.limits.limit_types import Bracket, Family, Friction, LimitOptions,
 from drystone.loads import LoadCase, Train
 from drystone.loads.applied import common_acceleration, is_vertical
 from drystone.loads.fill import Tops
+from drystone.loads.placing import GivenLoad
 from drystone.mechanics.statics import Statics
 from drystone.model import Model
 from drystone.programs import RBEOptions, solve_rbe
@@ -429,7 +430,8 @@ class Position(NamedTuple):
     def load(self, adverse: Bools) -> LoadCase:
         """The axles, and the line load on some pieces (p,)."""
         wrench = self.axles + self.pieces[adverse].sum(axis=0)
-        return LoadCase(wrench, f"{self.train.name} at {self.words}")
+        name = f"{self.train.name} at {self.words}"
+        return LoadCase(wrench, name, each=GivenLoad.of(name, wrench))
 
 
 class PlacedTrain(NamedTuple):

@@ -31,10 +31,7 @@ from drystone.model import Model
 from drystone.results import Result
 from drystone.stability.problem import Problem
 
-_AGAIN = (
-    "ask what was mended of all places: drystone limit train mended.json --case weight, with the "
-    "same --train and --fill"
-)
+_MENDED = "drystone mend with this --train, and the fill as --load, asks each mend of all places"
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,10 +78,10 @@ class TrainEnvelope(Answer):
 
     @property
     def loaded(self) -> Model:
-        """The bridge with the train at the worst place, such as for mends."""
+        """The bridge with the train at the worst place."""
         one = self._placed[self.worst]
         place = f"'{self.train.name}' stands at {one.at.words} alone"
-        note = f"{place}: what holds that may fall with it elsewhere; {_AGAIN}"
+        note = f"{place}: what holds that may fall with it elsewhere; {_MENDED}"
         return self.model.with_load(self.model.load + replace(one.live, notes=(note,)))
 
     @property
@@ -227,14 +224,14 @@ class TrainEnvelope(Answer):
         return " with ductile joints" if self.model.contacts.brittle else ""
 
     @property
-    def _carried(self) -> bool:
+    def carried(self) -> bool:
         """Whether the whole train is, by equilibrium and by the verdict where there is one."""
         good = bool(len(self.places)) and bool(self.factors[self.worst] >= 1.0)
         return good and (self.limit is None or float(self.limit.stands or 0.0) >= 1.0)
 
     def sentences(self) -> Sequence[Sentence]:
         """The least factor, how it was found, and what it does not say."""
-        role = Role.GOOD if self._carried else Role.BAD
+        role = Role.GOOD if self.carried else Role.BAD
         said = [Sentence(self.title, role)]
         x, y, _ = self._crossing.tops.road.strips.axes[0]
         if y != 0.0:
@@ -284,9 +281,8 @@ class TrainEnvelope(Answer):
             )
             said.append(Sentence(why))
             said += self.limit.sentences()[self.limit.stands is not None :]
-        if not self._carried:
-            how = "'drystone mend' of the bridge under it, which --out writes as a file"
-            said.append(Sentence(f"what would carry the train at this place: {how}; {_AGAIN}"))
+        if not self.carried:
+            said.append(Sentence(f"what would carry the train: {_MENDED}"))
         if self.stopped:
             every = max(self.asked_for, len(self.places))
             missing = f"{len(self.places)} of {counted(every, 'place')}"
@@ -443,7 +439,7 @@ class TrainEnvelope(Answer):
         found = () if self.limit is None else self.limit.layers().stages
         for one in found:  # with the words of this answer
             told = self.title + one.headline.removeprefix(self.limit.title if self.limit else "")
-            role = one.role if self._carried else Role.BAD
+            role = one.role if self.carried else Role.BAD
             layers = (*one.layers, *axles)
             worst.append(replace(one, headline=told, role=role, layers=layers))
         stages = worst or self._stage(self.worst)

@@ -441,6 +441,14 @@ class LoadCase(OneLine):
             each=each,
         )  # fmt: skip
 
+    def without(self, some: Sequence[GivenLoad]) -> LoadCase:
+        """Without some of the loads of :attr:`each`."""
+        wrench = sum((-one.on(len(self.wrench))["wrench"] for one in some), self.wrench)
+        names = {one.words for one in some}
+        name = " + ".join(part for part in self.name.split(" + ") if part not in names)
+        each = tuple(one for one in self.each if one not in some)
+        return replace(self, wrench=wrench, name=name, each=each)
+
     def beside(self, other: LoadCase) -> LoadCase:
         """By what the sum with another case is more than the other.
 

@@ -27,7 +27,8 @@ from drystone.design import (
 from drystone.design.bench import Bench
 from drystone.design.changes import Change
 from drystone.joint_capacity import JointCapacity
-from drystone.models import arch, barrel_vault, box, h_model, shelf, tower, wedge
+from drystone.loads import Train
+from drystone.models import arch, barrel_vault, box, h_model, segmental_bridge, shelf, tower, wedge
 from drystone.models.simple import prism
 
 SLOPE = np.rad2deg(np.arctan2(0.676163 - 0.627729, 0.284267 - 0.243736))
@@ -288,6 +289,23 @@ def test_a_facade_that_a_roof_pushes_is_tied_back_at_its_top(
     assert found.change.added == len(behind)
     if len(behind) == 1:
         assert f"pulls by a steady {least / 1e3 + 0.05:.1f} kN" in found.change.description
+
+
+def test_a_mend_under_a_train_is_asked_of_all_its_places() -> None:
+    """A thicker ring carries the axle everywhere; a prop below one haunch not over the other."""
+    bridge = segmental_bridge(span=4.0, rise=1.0, ring=0.3, voussoirs=3)
+    model, axle = Model.of(bridge, friction=0.7), Train("axle", (0.0,), (44e3,))
+    options = MendOptions(kinds=("thicker", "prop"), train=axle)
+    found = find_mends(model, options=options)
+    assert found.case == f"under {found.model.load.each[0].words}"
+    ring, prop = found.mends
+    alone = ring.model.with_load(ring.model.load.without(ring.model.load.each))
+    assert np.allclose(alone.load.wrench, LoadCase.gravity(alone.assembly).wrench)
+    assert ring.stands
+    assert "of all places: stands under 'axle' up to load factor 1.0" in ring.change.description
+    assert not prop.stands
+    assert "of all places: does not carry 'axle', only 0.8" in prop.change.description
+    assert not found.together([2], options=options).stands
 
 
 def test_two_blocks_that_nothing_presses_need_two_props(tmp_path: Path) -> None:

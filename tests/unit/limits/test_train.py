@@ -55,7 +55,7 @@ def test_the_worst_place_stands_just_below_its_limit_and_falls_just_above(bridge
     under = replace(near, limit=replace(found.limit, rest=rest))
     assert under.title.startswith("Does not carry 'axle', only 0.9331 of it, least at x")
     assert under.code == 1
-    assert "'drystone mend' of the bridge under it" in under.sentences()[-1].text
+    assert "drystone mend with this --train" in under.sentences()[-1].text
     told = "1.441 by equilibrium, 0.9331 by the verdict"
     assert told in replace(under, factors=least.factors).figure().caption
     first, beyond = under.layers().stages[:2]
