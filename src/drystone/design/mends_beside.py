@@ -319,7 +319,7 @@ def _back(bench: Bench, surface: tuple[Floats, Ints], block: int, way: Floats) -
     beside = {*a[b == whole].tolist(), *b[a == whole].tolist()}
     far = float(np.linalg.norm(np.ptp(bench.model.assembly.bounds, axis=(0, 1))))
     middle = own.centroid[block]
-    across = np.cross(acceleration_of(bench.local), way)
+    across = np.cross(_gravity(bench), way)
     along = (own.blocks[block].vertices - middle) @ across / (across @ across)
     ends = [middle + _END * share * across for share in (along.min(), along.max())]
     for starts in ([middle], ends):
@@ -330,9 +330,14 @@ def _back(bench: Bench, surface: tuple[Floats, Ints], block: int, way: Floats) -
     return []
 
 
+def _gravity(bench: Bench) -> Floats:
+    """The acceleration (3,) [m/s2] of masses, without that of an earthquake."""
+    return acceleration_of(bench.local) - bench.local.load.shake
+
+
 def _parted(bench: Bench, ways: Floats) -> tuple[Floats, Floats]:
     """Directions (w, 3) without their part along gravity, and that (w,), upwards."""
-    down = acceleration_of(bench.local)
+    down = _gravity(bench)
     up = -down / max(float(np.linalg.norm(down)), np.finfo(float).tiny)
     rise: Floats = ways @ up
     return ways - rise[:, None] * up, rise

@@ -262,10 +262,10 @@ def test_a_flat_arch_that_spreads_is_tied_from_side_to_side() -> None:
 @pytest.mark.parametrize(
     ("behind", "pull"),
     [
-        ({"back": box((3.0, 0.5, 4.0), (-1.5, 2.5, 0.0))}, "from (0, 0.25, 3) m to 'back'"),
+        ({"back": box((3.0, 0.5, 4.0), (-1.5, 2.5, 0.0))}, "m to 'back' at (0, 2.5, 3) m"),
         (
             {x: box((0.5, 2.0, 4.0), (at, 0.8, 0.0)) for x, at in (("left", -1.5), ("right", 1.0))},
-            "from (-1.35, 0.25, 3) m to 'left'",
+            "from (-1.35, 0.25, 3) m to 'left' at (-1.35, 0.8, 3) m",
         ),
     ],
 )
@@ -274,21 +274,22 @@ def test_a_facade_that_a_roof_pushes_is_tied_back_at_its_top(
 ) -> None:
     """By a wall behind it, or two beside that it does not touch.
 
-    About the foot of the upper course: 12 kN x 2 m = weight x 0.25 m + pull x 1 m.
+    It shakes a little, too, and the ties are level all the same. About the foot of the upper
+    course: 12 kN x 2 m + weight / 100 x 1 m = weight x 0.25 m + pull x 1 m.
     """
     facade = [box((3.0, 0.5, 2.0), (-1.5, 0.0, z), f"facade-{z:g}") for z in (0.0, 2.0)]
     back = [block.renamed(name) for name, block in behind.items()]
     blocks = Assembly((box((6.0, 8.0, 1.0), (-3.0, -4.0, -1.0), "ground"), *facade, *back))
     push = LoadCase.point_load(blocks, 2, (0.0, -12e3, 0.0), (0.0, 0.25, 4.0))
     model = Model.of(blocks.with_fixed(["ground", *behind]), friction=0.6)
-    model = model.with_load(model.load + push)
+    model = model.with_load(model.load + push + LoadCase.seismic(blocks, 0.0, -0.01))
     (found,) = find_mends(model, options=MendOptions(kinds=("tie",))).mends
-    least = 24e3 - 0.25 * 9.81 * float(blocks.mass[1])
-    assert least < found.change.value < 1.5 * least
+    least = 24e3 - 0.24 * 9.81 * float(blocks.mass[1])
+    assert 0.999 * least < found.change.value < 1.5 * least
     assert pull in found.change.description
     assert found.change.added == len(behind)
     if len(behind) == 1:
-        assert f"pulls by a steady {least / 1e3 + 0.05:.1f} kN" in found.change.description
+        assert f"pulls by a steady {least / 1e3:.3g} kN" in found.change.description
 
 
 def test_a_mend_under_a_train_is_asked_of_all_its_places() -> None:
