@@ -41,6 +41,9 @@ _ORDERS = ("top", "course", "boundary", "fewest-props")
 _FEW = 14
 """Free blocks up to which the order with the fewest props is searched without being asked for."""
 
+_LISTED = 40
+"""Blocks up to which the order is told to be given again. Chosen: some lines."""
+
 SCAFFOLD_LIMITS = {
     "scaffold_options.limit": "--scaffold-limit",
     "scaffold_options.foot": "--scaffold-foot",
@@ -423,10 +426,22 @@ def plan(
     kept = [waiting.left()] if found.stopped and checkpoint is not None else []
     return Told(
         found, {key: one for key, one in also.items() if one is not None},
-        notes=[*model.notes, *found.notes, *kept],
+        notes=[*model.notes, *found.notes, *_again(found), *kept],
         files=partial(wanted.all_of, found, made, measured, robot),
         into=wanted.stages if found.steps else None,
     )  # fmt: skip
+
+
+def _again(plan: Plan) -> list[str]:
+    """The order of a plan of few blocks, to be given again; and what may save its props."""
+    if plan.impossible:
+        return []
+    names = [plan.model.assembly.names[i] for step in plan.steps for i in step.blocks]
+    said = [f"this order: --order {','.join(names)}"] if 0 < len(names) <= _LISTED else []
+    if plan.counts["propped"] and not plan.rules.robots:
+        hands = f"--hands {plan.rules.hands + 1} gives one more hand"
+        said.append(f"props: {hands}, --scaffold strut asks for real ones")
+    return said
 
 
 def _with_rules(

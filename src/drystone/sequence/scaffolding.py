@@ -223,7 +223,9 @@ class Scaffolding(Answer):
         items = [item for item in self.items if int(self.assembly.indices([item.block])[0]) in held]
         layers = scaffold_layers(items, kind, self.assembly)
         forces = [
-            replace(one, label=f"ideal {one.label}") if one.key == "help" else one
+            replace(one, label=f"ideal {one.label} (in place of props: {kind.words(2)})")
+            if one.key == "help"
+            else one
             for one in stage.layers
         ]
         stage = replace(stage, layers=(*forces, *layers))

@@ -49,7 +49,7 @@ def test_a_person_reads_steps_and_counts(stack, capsys):
     out = capsys.readouterr().out
     assert "3 steps" in out
     assert "3 free, 0 held, 0 propped" in out
-    assert "block-3" in out
+    assert "this order: --order block-1,block-2,block-3" in out
     assert main(["plan", stack, "--order", "course"]) == 0
     assert "order course" in capsys.readouterr().out
 
@@ -65,6 +65,8 @@ def test_an_arch_names_its_props_and_writes_files(tmp_path, capsys):
     )  # fmt: skip
     assert code == 1
     assert data["counts"]["propped"] == len(data["props"]) == 4
+    assert data["notes"][0] == f"this order: --order {','.join(data['order'])}"
+    assert data["notes"][1].startswith("props: --hands 2 gives one more hand")
     assert all(np.linalg.norm(prop["force"]) > 0.0 for prop in data["props"])
     assert data["margins"]["weakest"]["tilt_deg"] > 1.0
     assert [row["stands"] for row in data["friction_sweep"]["plans_by_friction"]] == [False, True]

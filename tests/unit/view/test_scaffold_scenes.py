@@ -40,6 +40,7 @@ def test_clamps_of_the_step_before_are_drawn_while_a_hand_holds_and_forces_are_i
     labels = [one.label for stage in stages for one in stage.layers if one.key == "help"]
     assert labels
     assert all(one.startswith("ideal props and hands") for one in labels)
+    assert all(one.endswith(" (in place of props: clamps)") for one in labels)
 
 
 def test_a_title_says_which_stages_were_only_looked_at() -> None:
