@@ -148,7 +148,7 @@ def fall(
         lies,
         f"MuJoCo {mujoco.__version__}",
         chosen,
-        {"solve": clock.elapsed_s},
+        time_s={"solve": clock.elapsed_s},
         stopped=clock.reason,
     )
 
@@ -325,7 +325,7 @@ class Film(Answer):
         Whether everything has come to lie.
     engine
         What simulated it.
-    options, time_s
+    options
     """
 
     model: Model
@@ -334,7 +334,6 @@ class Film(Answer):
     lies: bool
     engine: str = ""
     options: FallOptions = field(default_factory=FallOptions)
-    time_s: Mapping[str, float] = field(default_factory=dict)
 
     def _summary(self) -> str:
         return f"{counted(len(self.time), 'frame')}, '{self.message}'"
@@ -390,8 +389,6 @@ class Film(Answer):
             "lies": self.lies,
             "fell": [self.assembly.names[i] for i in np.flatnonzero(self.fell)],
             "engine": self.engine,
-            "stopped": self.stopped,
-            "time_s": self.time_s,
         }
 
     def layers(self) -> Scene:

@@ -114,7 +114,7 @@ class Poses(Answer):
 
     def layers(self) -> Scene:
         """The poses side by side."""
-        scene = bare_scene(self.assembly, self.contacts, self.model)
+        scene = bare_scene(self.model)
         number = np.where(self.assembly.fixed, 0, np.arange(1, len(self.assembly) + 1))
         stage = replace(scene.stages[0], headline=self.title, message=self.sentences()[1].text)
         return replace(scene, title=self.title, stages=(stage,), number=number)

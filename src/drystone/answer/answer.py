@@ -113,17 +113,24 @@ class Answer(MayStop, OfModel, OneLine, ABC):
         """Date and time at which it was made."""
         return dt.datetime.fromtimestamp(self.made).astimezone().strftime("%Y-%m-%d %H:%M")
 
+    def _unfinished(self, more: str = "") -> list[Sentence]:
+        """That work ended before all was done, if it did; ``more`` follows the reason."""
+        said = Sentence(f"not finished: {self.stopped}{more}", Role.REMARK)
+        return [said] if self.stopped else []
+
     def figure(self) -> Scene | Chart:
         """What is drawn on paper: the same, unless something else says more."""
         return self.layers()
 
     def to_dict(self) -> dict[str, Any]:
-        """Plain values for JSON: the title, the numbers, the rows of each table, what was asked."""
+        """Plain values for JSON: title, numbers, rows of each table, what was asked, the time."""
         tables = self.tables()
         return {
             "title": self.title,
             "sentences": [one.text for one in self.sentences()],
             **plain(self.numbers()),
+            "stopped": self.stopped,
+            "time_s": dict(self.time_s),
             **{one.key: plain(list(one)) for one in tables},
             "units": {one.key: dict(one.units) for one in tables if one.units},
             "asked": self.asked.to_dict(),

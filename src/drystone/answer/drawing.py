@@ -34,22 +34,24 @@ def state_of(assembly: Assembly) -> Ints:
     return np.where(assembly.fixed, State.SUPPORT, State.FREE).astype(np.intp)
 
 
-def bare_scene(
-    assembly: Assembly, contacts: Contacts | None = None, model: Model | None = None
-) -> Scene:
-    """Blocks and their interfaces, without an analysis."""
-    found = contacts if contacts is not None else Contacts.empty()
+def bare_scene(model: Model) -> Scene:
+    """Blocks, their interfaces and loads, without an analysis."""
+    scene = scene_of_blocks(model.assembly, model.contacts)
+    stage, drawn = scene.stages[0], load_layers(model.assembly, model.load)
+    message, layers = "; ".join(worth_drawing(model.notes)), (*stage.layers, *drawn)
+    told = replace(stage, message=message, layers=layers)
+    return replace(scene, stages=(told,), facts=Question.of(model).facts())
+
+
+def scene_of_blocks(assembly: Assembly, contacts: Contacts | None = None) -> Scene:
+    """Blocks, and their interfaces where these are known."""
     count = counted(len(assembly), "block")
     if contacts is not None:
         count += f", {counted(contacts.count, 'interface')}"
-    notes = "" if model is None else "; ".join(worth_drawing(model.notes))
-    drawn = interface_layers(found)
-    if model is not None:
-        drawn += load_layers(assembly, model.load)
-    stage = SceneStage("model", count, notes, state_of(assembly), layers=drawn)
+    found = contacts if contacts is not None else Contacts.empty()
+    stage = SceneStage("model", count, "", state_of(assembly), layers=interface_layers(found))
     scene = Scene(assembly, found, (stage,), f"drystone: {count}")  # refuses contacts of others
-    asked = Question.of_blocks(assembly, found) if model is None else Question.of(model)
-    return replace(scene, facts=asked.facts())
+    return replace(scene, facts=Question.of_blocks(assembly, found).facts())
 
 
 def enlargement(assembly: Assembly, motion: Floats) -> float:

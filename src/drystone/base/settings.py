@@ -14,7 +14,7 @@ import math
 import time
 from collections.abc import Callable, Mapping
 from concurrent.futures import Executor
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import (
     Any,
     ParamSpec,
@@ -91,9 +91,12 @@ class MayStop:
     ----------
     stopped
         Why it ended before all was done: ``the time was up`` or ``it was interrupted``; else empty.
+    time_s
+        Seconds by what took them.
     """
 
     stopped: str = ""
+    time_s: Mapping[str, float] = field(default_factory=dict)
 
 
 class Clock:

@@ -350,7 +350,6 @@ class Diagnosis(Answer):
             "message": self.result.message,
             "friction_of_all": self.friction,
             "others": [self.model.assembly.names[i] for i in self.others],
-            "stopped": self.stopped,
             "regions": [_plain_region(self.model, region) for region in self.regions],
         }
 

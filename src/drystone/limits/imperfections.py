@@ -175,9 +175,7 @@ class StandingShare(Answer):
         ]
         if unsure := self.by_draw.count(None):
             said.append(Sentence(f"{counted(unsure, 'draw')} undecided", Role.REMARK))
-        if self.stopped:
-            said.append(Sentence(f"not finished: {self.stopped}", Role.REMARK))
-        return said
+        return said + self._unfinished()
 
     def tables(self) -> Sequence[Table]:
         """The share by the order of loading."""
@@ -193,12 +191,11 @@ class StandingShare(Answer):
             "interval": self.interval,
             "confidence": self.confidence,
             "verdicts": list(self.table()),
-            "stopped": self.stopped,
         }
 
     def layers(self) -> Scene:
         """The model without imperfections."""
-        scene = bare_scene(self.assembly, self.contacts, self.model)
+        scene = bare_scene(self.model)
         return replace(scene, title=f"drystone: {self.title}", charts=(self.figure(),))
 
     def figure(self) -> Chart:

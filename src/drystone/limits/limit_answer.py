@@ -239,10 +239,9 @@ class Limit(LimitValues, Answer):
                 head = f"{what} governs: it" if share > 0.5 else what
                 rest = "of the work that resists this motion, lifted weights the rest"
                 said.append(Sentence(f"{head} takes {100.0 * share:.3g} % {rest}"))
-        if self.stopped:
-            sides = [one for one in (self.best.stands, self.best.falls) if one is not None]
-            between = f"; {self._range((sides[0], sides[1]))} it is open" if sides[1:] else ""
-            said.append(Sentence(f"not finished: {self.stopped}{between}", Role.REMARK))
+        sides = [one for one in (self.best.stands, self.best.falls) if one is not None]
+        between = f"; {self._range((sides[0], sides[1]))} it is open" if sides[1:] else ""
+        said += self._unfinished(between)
         searched = f"searched from {self.start:.6g} to {self._told(self.end)}"
         if self.capped:
             searched += f"; {'--upper' if self.quantity.replaces else '--to'} goes on"
@@ -278,10 +277,8 @@ class Limit(LimitValues, Answer):
             "sensitive_between": self.sensitive_between,
             "undecided_between": self.undecided_between,
             "remarks": self.remarks,
-            "stopped": self.stopped,
             **({inverse: 1.0 / stands} if inverse and stands else {}),
             "evaluations": list(self.table()),
-            "time_s": self.time_s,
         }
 
     def table(self) -> Table:

@@ -170,7 +170,6 @@ class LimitValues(MayStop):
     robust: Bracket | None = None
     islands: tuple[tuple[float, float], ...] = ()
     evaluations: tuple[Evaluation, ...] = ()
-    time_s: Mapping[str, float] = field(default_factory=dict)
     options: LimitOptions | None = None
 
     @property

@@ -126,9 +126,7 @@ class TiltSweep(Answer):
         said += [Sentence(one, Role.REMARK) for one in told if one]
         if any(limit.remarks for limit in self.limits):
             said.append(Sentence("where joints decide, see --json", Role.REMARK))
-        if self.stopped:
-            said.append(Sentence(f"not finished: {self.stopped}", Role.REMARK))
-        return said
+        return said + self._unfinished()
 
     def tables(self) -> Sequence[Table]:
         """The limits by direction."""
@@ -148,7 +146,6 @@ class TiltSweep(Answer):
             "missing": self.missing,
             "weakest_azimuth": None if self.missing else self.azimuth[self.weakest],
             "limits": [limit.numbers() for limit in self.limits],
-            "stopped": self.stopped,
         }
 
     def layers(self) -> Scene:

@@ -74,7 +74,7 @@ class ThrustBounds(Answer):
         """The forces at the least and at the largest thrust."""
         states = (("least thrust", self.least_state), ("largest thrust", self.most_state))
         stages = [one.stage(label) for label, one in states if one is not None]
-        scene = bare_scene(self.assembly, self.contacts, self.model)
+        scene = bare_scene(self.model)
         shown = [replace(one, headline=f"{self.title}: {one.label}") for one in stages]
         return replace(scene, title=self.title, stages=tuple(shown) or scene.stages)
 

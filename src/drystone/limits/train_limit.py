@@ -242,7 +242,7 @@ class TrainEnvelope(Answer):
         if self.train.source:
             said.append(Sentence(f"'{self.train.name}' is {self.train.source}", Role.REMARK))
         if not len(self.places):
-            return [*said, Sentence(f"not finished: {self.stopped}", Role.REMARK)]
+            return said + self._unfinished()
         known, more = counted(len(self.places), "place"), len(self.places) - self.asked_for
         between = f" ({more} of them where mechanisms of others end it sooner)" if more > 0 else ""
         checked = "forces there and a mechanism beyond are checked" if self.proven else "not proved"
@@ -283,11 +283,8 @@ class TrainEnvelope(Answer):
             said += self.limit.sentences()[self.limit.stands is not None :]
         if not self.carried:
             said.append(Sentence(f"what would carry the train: {_MENDED}"))
-        if self.stopped:
-            every = max(self.asked_for, len(self.places))
-            missing = f"{len(self.places)} of {counted(every, 'place')}"
-            said.append(Sentence(f"not finished: {self.stopped} after {missing}", Role.REMARK))
-        return said
+        every = counted(max(self.asked_for, len(self.places)), "place")
+        return said + self._unfinished(f" after {len(self.places)} of {every}")
 
     @property
     def _of_width(self) -> Sentence:
@@ -424,7 +421,6 @@ class TrainEnvelope(Answer):
             "line": self.line if len(self.places) else (),
             "proven": bool(len(self.places)) and self.proven,
             "limit": None if self.limit is None else self.limit.numbers(),
-            "stopped": self.stopped,
         }
 
     def layers(self) -> Scene:
@@ -432,7 +428,7 @@ class TrainEnvelope(Answer):
 
         Those where much more is carried are left out: beside them the worst has no visible forces.
         """
-        scene = bare_scene(self.model.assembly, self.model.contacts, self.model)
+        scene = bare_scene(self.model)
         if not len(self.places) or self.falls_alone:
             return replace(scene, title=self.title)
         worst, axles = [], self._axle_layers(self.worst)

@@ -57,7 +57,7 @@ def numbered_picture(plan: Plan) -> Picture:
 
 def loads_picture(model: Model) -> Picture:
     """The model with its loads as arrows."""
-    scene = bare_scene(model.assembly, model.contacts, model)
+    scene = bare_scene(model)
     (stage,) = scene.stages
     loads = tuple(one for one in stage.layers if one.key != "interfaces")
     scene = replace(scene, stages=(replace(stage, message="", layers=loads),))
@@ -68,7 +68,7 @@ def dimensions_picture(model: Model) -> Picture:
     """An elevation and a side view with the overall dimensions of the free blocks."""
     from matplotlib.figure import Figure  # slow to import
 
-    scene = bare_scene(model.assembly, model.contacts, model)
+    scene = bare_scene(model)
     pressed = [one for one in scene.stages[0].layers if one.key == "surface"]
     span, middle = scene.bounds[1] - scene.bounds[0], scene.bounds.mean(axis=0)
     assembly = model.assembly

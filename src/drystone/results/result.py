@@ -237,11 +237,9 @@ class Result(Solution, Answer):
             "friction_margin": self.friction_margin,
             "strength_use": float(self.strength_use.max(initial=0.0)) or None,
             "crushing_factor": self.crushing_factor,
-            "stopped": self.stopped,
             "falling": self.falling_names,
             "samples": self.samples,
             "residuals": self.residuals,
-            "time_s": self.time_s,
         }
 
     def _props(self) -> Table:

@@ -6,7 +6,6 @@ Reactions: what supports give to the blocks on them.
 from __future__ import annotations
 
 import enum
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -132,7 +131,6 @@ class Solution(MayStop, OfModel, OneLine):
     options: Any = None
     solver: str = ""
     iterations: int = 0
-    time_s: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def load(self) -> LoadCase:

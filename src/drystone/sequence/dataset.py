@@ -180,13 +180,13 @@ class Dataset(Answer):
 
     def layers(self) -> Scene:
         """The first structure."""
-        return bare_scene(self.model.assembly, self.model.contacts, self.model)
+        return bare_scene(self.model)
 
     def numbers(self) -> Mapping[str, Any]:
         """Numbers of structures, orders and subsets, and the folder."""
         return {
             "folder": str(self.folder), "orders": len(self.orders), "subsets": self.rows,
-            "complete": not self.stopped, "stopped": self.stopped,
+            "complete": not self.stopped,
         }  # fmt: skip
 
     def card(self) -> str:

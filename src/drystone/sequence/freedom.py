@@ -414,7 +414,7 @@ class Interlocking(Answer):
 
     def layers(self) -> Scene:
         """The free motion."""
-        scene = bare_scene(self.assembly, self.contacts, self.model)
+        scene = bare_scene(self.model)
         motion = None if self.motion is None else seen(self.assembly, self.motion)
         told = "; ".join(one.text for one in self.sentences()[1:])
         stage = replace(

@@ -91,7 +91,7 @@ class GravityRegion(Answer):
 
     def layers(self) -> Scene:
         """The model, and its directions beside it."""
-        scene = bare_scene(self.assembly, self.contacts, self.model)
+        scene = bare_scene(self.model)
         stage = replace(scene.stages[0], headline=self.title)
         return replace(scene, title=self.title, stages=(stage,), charts=(self.figure(),))
 

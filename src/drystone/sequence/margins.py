@@ -131,7 +131,6 @@ class Margins(Answer):
         return {
             "weakest": weakest,
             "least_friction": self.least_friction,
-            "stopped": self.stopped,
         }
 
     def layers(self) -> Scene:

@@ -288,7 +288,6 @@ class Plan(PlannedSteps, Answer):
                 }
                 for prop in self.props
             ],
-            "stopped": self.stopped,
             "ends_with": self.ends_with,
             "rules": differing(self.rules),
             "checks": self.solved,

@@ -185,7 +185,6 @@ class Scaffolding(Answer):
             "moves": self.moves,
             "cost": self.cost,
             "failed": self.failed,
-            "stopped": self.stopped,
             "staying": self.staying,
             "items": [item_numbers(item) for item in self.items],
         }

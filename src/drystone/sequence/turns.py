@@ -201,7 +201,6 @@ class Turns(Answer):
             "works": self.works,
             "complete": None if self.complete is None else self.complete.verdict,
             "largest_N": self.largest,
-            "stopped": self.stopped,
             "holds": [
                 {"block": one.name, "robot": one.robot, "force": one.force, "moment": one.moment}
                 for one in self.turns

@@ -412,12 +412,12 @@ def support_response(
         return first
     followed = move_supports(model, **clock.rest)
     if first is not None and followed.end is not End.FALLS:
-        return replace(first, followed=followed)
+        return replace(first, followed=followed, stopped=followed.stopped)
     states, told = followed.states, (followed.end.verdict, followed.message, followed.stopped)
     stood = (Verdict.STABLE, "the supports have not moved") if len(states) > 1 else told
     still = model.with_load(replace(model.load, motion=None))
     after, before = states[-1].result(model, *told), states[0].result(still, *stood)
-    return SupportResponse(after, before, followed)
+    return SupportResponse(after, before, followed, stopped=followed.stopped)
 
 
 def first_order(model: Model, options: SupportResponseOptions | None = None) -> SupportResponse:

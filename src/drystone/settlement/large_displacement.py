@@ -276,7 +276,7 @@ def _driven(
         fallen = state_of(shown, bodies, driver.now(), mine, kept, length, load)
     found = LargeDisplacement(
         drive, shown, frozen(curve[:, 0].copy()), frozen(curve[:, 1].copy()), states, end, "",
-        fallen, chosen, {"solve": clock.elapsed_s}, stopped=stopped,
+        fallen, chosen, stopped=stopped, time_s={"solve": clock.elapsed_s},
     )  # fmt: skip
     if fallen is not None and len(curve) < 2:
         touching = with_what_touches(model, fallen.positions)

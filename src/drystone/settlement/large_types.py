@@ -202,7 +202,7 @@ class LargeDisplacement(Answer):
     fallen
         Where blocks were seen to fall, after the last state; None where they do not. It is no
         equilibrium.
-    options, time_s
+    options
     """
 
     drive: Drive
@@ -214,7 +214,6 @@ class LargeDisplacement(Answer):
     message: str
     fallen: LargeState | None = None
     options: SettlementOptions = field(default_factory=SettlementOptions)
-    time_s: Mapping[str, float] = field(default_factory=dict)
 
     def _summary(self) -> str:
         return f"{self.drive.value}, {counted(len(self.states), 'state')}, '{self.message}'"
@@ -321,7 +320,6 @@ class LargeDisplacement(Answer):
             "unit": self.unit,
             "peak": self.peak,
             "capacity": self.capacity,
-            "stopped": self.stopped,
             "curve": {"displacement": self.displacement, "load": self.load},
             "positions": {
                 "displacement": [state.displacement for state in self.states],
@@ -330,7 +328,6 @@ class LargeDisplacement(Answer):
                     for i in np.flatnonzero(moving)
                 },
             },
-            "time_s": self.time_s,
         }
 
     @property

@@ -285,7 +285,6 @@ class Settlement(Answer):
     message: str
     paths: tuple[SettlementPath, ...]
     options: SettlementOptions = field(default_factory=SettlementOptions)
-    time_s: Mapping[str, float] = field(default_factory=dict)
 
     def __bool__(self) -> bool:
         raise TypeError("a settlement is neither true nor false; ask for .outcome or .rests")
@@ -360,7 +359,6 @@ class Settlement(Answer):
         return {
             "outcome": self.outcome,
             "message": self.message,
-            "stopped": self.stopped,
             "paths": [
                 {
                     "carrier": path.carrier,
@@ -373,7 +371,6 @@ class Settlement(Answer):
                 }
                 for i, path in enumerate(self.paths)
             ],
-            "time_s": self.time_s,
         }
 
     def layers(self) -> Scene:

@@ -219,7 +219,7 @@ def _carried(
     paths = _part_by_part(case, paths)
     outcome, message = outcome_of(paths, clock)
     spent = {"solve": clock.elapsed_s - began}
-    return Settlement(outcome, message, paths, chosen, spent, stopped=clock.reason)
+    return Settlement(outcome, message, paths, chosen, stopped=clock.reason, time_s=spent)
 
 
 def _part_by_part(
@@ -363,7 +363,7 @@ def _nothing_free(model: Model, moving: Floats | None, chosen: SettlementOptions
         0,
         0,
     )
-    return Settlement(Outcome.RESTS, "every block is fixed", (path,), chosen, {"solve": 0.0})
+    return Settlement(Outcome.RESTS, "every block is fixed", (path,), chosen, time_s={"solve": 0.0})
 
 
 def _tried(case: FollowedCase, which: tuple[Carrier, bool]) -> _Run:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from drystone.answer import Answer, Question, Role, Scene, Sentence
-from drystone.answer.drawing import bare_scene
+from drystone.answer.drawing import scene_of_blocks
 from drystone.assembly import Assembly
 from drystone.base.arrays import SAME, Bools, Floats, Ints, dot, unit
 from drystone.base.errors import InputError, counted
@@ -167,7 +167,7 @@ class Shell(Answer):
 
     def layers(self) -> Scene:
         """The blocks and their joints."""
-        return bare_scene(self.assembly, self.contacts)
+        return scene_of_blocks(self.assembly, self.contacts)
 
     def numbers(self) -> Mapping[str, Any]:
         """Counts, warp and drift, which are by the mean width of a block."""

@@ -141,9 +141,7 @@ class Combinations(Answer):
         said += [Sentence(one, Role.REMARK) for one in self._not_apart]
         shaken = [Shaken.of(self.governing.assembly, one.load) for one in self.each]
         said += [Sentence(one, Role.REMARK) for one in dict.fromkeys(x.words for x in shaken if x)]
-        if self.stopped:
-            said.append(Sentence(f"not finished: {self.stopped}", Role.REMARK))
-        return said
+        return said + self._unfinished()
 
     @property
     def _not_apart(self) -> list[str]:
@@ -198,7 +196,6 @@ class Combinations(Answer):
             "carries": self.carries[self.governs],
             "needs": {of: one[self.governs] for of, one in self.needs.items()},
             "falling": self.governing.falling_names,
-            "stopped": self.stopped,
         }
 
     @cached_property

@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import TypeAlias
 
 from drystone.answer import Answer
-from drystone.answer.drawing import bare_scene
+from drystone.answer.drawing import bare_scene, scene_of_blocks
 from drystone.answer.scene import Scene, with_version
 from drystone.assembly import Assembly
 from drystone.base.errors import InputError, quoted
@@ -32,7 +32,7 @@ def scene_of(subject: Subject, contacts: Contacts | None = None) -> Scene:
         is no picture of such a value.
     """
     if isinstance(subject, Assembly):
-        return bare_scene(subject, contacts)
+        return scene_of_blocks(subject, contacts)
     own = getattr(subject, "contacts", None)
     if contacts is not None and contacts is not own:
         raise InputError(
@@ -44,7 +44,7 @@ def scene_of(subject: Subject, contacts: Contacts | None = None) -> Scene:
         case Answer():
             return replace(subject.layers(), made=with_version(subject.when))
         case Model():
-            return bare_scene(subject.assembly, subject.contacts, subject)
+            return bare_scene(subject)
         case _:
             raise InputError(
                 f"there is no picture of {quoted(subject)}",

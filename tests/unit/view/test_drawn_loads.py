@@ -215,7 +215,7 @@ def test_the_field_of_fill_does_not_cross_itself_where_a_ring_meets_its_backing(
     bridge = segmental_bridge(8.0, 2.0, 0.5, 20, height=3.0, backing=0.6)
     fill = Fill(cover=0.4, weight=19e3, k=0.3).on(bridge)
     model = drystone.Model.of(bridge, friction=0.6, load=LoadCase.gravity(bridge) + fill)
-    (field,) = (one for one in bare_scene(bridge, model.contacts, model).stages[0].layers
+    (field,) = (one for one in bare_scene(model).stages[0].layers
                 if one.key == "surface")  # fmt: skip
     assert field.vector is not None
     count = len(field.position) // 7
