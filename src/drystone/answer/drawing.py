@@ -43,7 +43,7 @@ def bare_scene(model: Model) -> Scene:
     return replace(scene, stages=(told,), facts=Question.of(model).facts())
 
 
-def scene_of_blocks(assembly: Assembly, contacts: Contacts | None = None) -> Scene:
+def scene_of_blocks(assembly: Assembly, contacts: Contacts | None) -> Scene:
     """Blocks, and their interfaces where these are known."""
     count = counted(len(assembly), "block")
     if contacts is not None:

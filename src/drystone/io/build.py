@@ -116,8 +116,8 @@ def build(
         draft.finish(assembly, scale_of(unit)) if draft.finish else (None, (), ())
     )
     return Contents(
-        assembly, contacts, loads, results, built.notes, draft.ties, unit, draft.ends,
-        draft.detection,
+        assembly, contacts, loads, results, unit, notes=built.notes, ties=draft.ties,
+        ends=draft.ends, detection=draft.detection,
     )  # fmt: skip
 
 

@@ -75,7 +75,7 @@ def with_problems(model: Draft, nodes: Sequence[str], problems: Sequence[Field])
             cases.insert(0, LoadCase.gravity(assembly))
         return contacts, tuple(cases), results
 
-    return Draft(shapes, "m", finish, (*model.notes, *notes))
+    return Draft(shapes, "m", finish, notes=(*model.notes, *notes))
 
 
 def _moves(motion: Mapping[int, Floats]) -> bool:

@@ -69,8 +69,30 @@ class DraftBlock:
     defect: InputError | None = None
 
 
+@dataclass(frozen=True, kw_only=True)
+class Beside(OneLine):
+    """What a file has beside its blocks.
+
+    Attributes
+    ----------
+    notes
+        Assumptions and repairs of the reader, one sentence each.
+    ties
+        Names of the two blocks of each tie that is not among the contacts.
+    ends
+        Of the model; see :class:`drystone.Model`.
+    detection
+        Tolerances with which the contacts were searched; ``None`` where they were given.
+    """
+
+    notes: tuple[str, ...] = ()
+    ties: tuple[tuple[str, str], ...] = ()
+    ends: str | None = None
+    detection: DetectionOptions | None = None
+
+
 @dataclass(frozen=True)
-class Draft:
+class Draft(Beside):
     """The unchecked content of one file.
 
     Attributes
@@ -81,14 +103,6 @@ class Draft:
     finish
         Function of the finished assembly and a scale [m per unit of the file] that makes contacts,
         loads and results; ``None`` if the file has none.
-    notes
-        Assumptions of the reader.
-    ties
-        Names of the two blocks of each tie.
-    ends
-        Of the model; see :class:`drystone.Model`.
-    detection
-        Tolerances with which the contacts were searched; ``None`` where they were given.
     up
         Axis of the shapes that points up, z or y.
     """
@@ -96,15 +110,11 @@ class Draft:
     shapes: tuple[DraftBlock, ...]
     units: str | None = None
     finish: Callable[[Assembly, float], Extras] | None = None
-    notes: tuple[str, ...] = ()
-    ties: tuple[tuple[str, str], ...] = ()
-    ends: str | None = None
-    detection: DetectionOptions | None = None
     up: str = "z"
 
 
 @dataclass(frozen=True)
-class Contents(OneLine):
+class Contents(Beside):
     """The content of a file: an assembly, and optionally contacts, load cases and results.
 
     Attributes
@@ -115,27 +125,15 @@ class Contents(OneLine):
     loads
     results
         Each refers to the assembly and the contacts of this model.
-    notes
-        Assumptions and repairs of the reader, one sentence each.
-    ties
-        Names of the two blocks of each tie that is not among the contacts.
     units
         Unit of length of the file; only a writer gets an assembly in it, all others one in metres.
-    ends
-        Of the model; see :class:`drystone.Model`.
-    detection
-        Tolerances with which the contacts were searched; ``None`` where they were given.
     """
 
     assembly: Assembly
     contacts: Contacts | None = None
     loads: tuple[LoadCase, ...] = ()
     results: tuple[Result, ...] = ()
-    notes: tuple[str, ...] = ()
-    ties: tuple[tuple[str, str], ...] = ()
     units: str = "m"
-    ends: str | None = None
-    detection: DetectionOptions | None = None
 
 
 _HELD = ("support", "supports", "fixed", "ground")

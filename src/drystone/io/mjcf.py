@@ -180,7 +180,7 @@ class _Reader:
             notes.append("of two bodies MuJoCo takes the larger friction, a joint here the smaller")
         notes += [f"'{tag}' is not read" for tag in _UNREAD if self.root.find(tag) is not None]
         load, said = self._gravity()
-        return Draft(tuple(shapes), "m", load, (*notes, *said))
+        return Draft(tuple(shapes), "m", load, notes=(*notes, *said))
 
     def _gravity(self) -> tuple[partial[Extras] | None, list[str]]:
         """What makes the load of the file where it is not the usual one, and a note."""

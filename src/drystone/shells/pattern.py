@@ -140,31 +140,41 @@ def eased_share(v: Floats, line: Ints, direction: Floats, *, closed: bool) -> Fl
 
 
 @dataclass(frozen=True, eq=False)
-class Pattern:
+class Cells(OneLine):
+    """Cells that share vertices.
+
+    Attributes
+    ----------
+    cells
+        Loops of vertices, counter-clockwise seen from outside.
+    names
+    course, position : (c,) course of each cell, and its place in it
+    inner : (p,) whether a vertex is on a bed line between two courses of one patch
+    """
+
+    cells: tuple[tuple[int, ...], ...]
+    names: tuple[str, ...]
+    course: Ints
+    position: Ints
+    inner: Bools
+
+
+@dataclass(frozen=True, eq=False)
+class Pattern(Cells):
     """Cells on a surface.
 
     Attributes
     ----------
     uv : (p, 2) parameters of each vertex in its patch
-    cells
-        Loops of vertices, counter-clockwise seen from outside.
-    names
-    course, position : (c,) course of each cell, and its place in it
     centre : (c, 2) parameters of the middle of each cell
     heads : (h, 2) vertices at the bottom and the top of every head joint
-    inner : (p,) whether a vertex is on a bed line between two courses
     borders
         Per side its vertices in order and their positions along it.
     """
 
     uv: Floats
-    cells: tuple[tuple[int, ...], ...]
-    names: tuple[str, ...]
-    course: Ints
-    position: Ints
     centre: Floats
     heads: Ints
-    inner: Bools
     borders: dict[Side, tuple[Ints, Floats]]
 
 
@@ -340,19 +350,14 @@ def _refuse_inside_out(pattern: Pattern) -> None:
 
 
 @dataclass(frozen=True, eq=False)
-class Tessellation(OneLine):
-    """Cells that share vertices, in space.
+class Tessellation(Cells):
+    """Cells in space.
 
     Attributes
     ----------
     point : (p, 3) [m]
     normal : (p, 3) unit, outwards; at a seam the mean of both sides
     up : (p, 3) unit tangent across the courses
-    inner : (p,) whether the vertex is on a bed line between two courses of one patch
-    cells
-        Loops of vertices, counter-clockwise seen from outside.
-    names
-    course, position : (c,)
     of_patch : (c,)
         -1 for a keystone, which closes several patches.
     crest : (c, 3) [m] point of the surface over the middle of each cell; NaN for a keystone
@@ -365,11 +370,6 @@ class Tessellation(OneLine):
     point: Floats
     normal: Floats
     up: Floats
-    inner: Bools
-    cells: tuple[tuple[int, ...], ...]
-    names: tuple[str, ...]
-    course: Ints
-    position: Ints
     of_patch: Ints
     crest: Floats
     heads: frozenset[tuple[int, int]]
