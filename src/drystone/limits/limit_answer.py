@@ -415,8 +415,9 @@ class Limit(LimitValues, Answer):
 
 
 def _same_shape(first: Result, second: Result) -> bool:
-    """Whether two results are of blocks in the same places."""
-    return bool(np.array_equal(first.assembly.bounds, second.assembly.bounds))
+    """Whether two results are of blocks in the same places, with as many corners."""
+    same = np.array_equal(first.assembly.bounds, second.assembly.bounds)
+    return same and first.contacts.corner_count == second.contacts.corner_count
 
 
 def _share(one: Evaluation) -> float:

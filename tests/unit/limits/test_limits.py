@@ -46,7 +46,7 @@ from drystone.limits import (
 )
 from drystone.mechanics.statics import Statics
 from drystone.model import Model
-from drystone.models import arch, concave, h_model, incline, tower, wall, wedge
+from drystone.models import arch, concave, h_model, incline, segmental_bridge, tower, wall, wedge
 from drystone.report import assess
 from drystone.virtual import joint_sections
 from tests.oracle import touching_faces
@@ -716,3 +716,13 @@ def test_a_search_of_a_large_model_that_is_stopped_says_what_it_knows() -> None:
     nothing = limit_tilt(tower(2), stop=lambda: True)
     assert nothing.title == "Nothing is known yet"
     assert nothing.sentences()[0].role is Role.UNSURE
+
+
+def test_edges_that_only_the_state_that_falls_counts_are_no_error_of_its_picture() -> None:
+    two = segmental_bridge(span=3.0, rise=1.0, ring=0.3, voussoirs=5, rings=2)
+    model = Model.of(two, friction=0.6)
+    weak = model.with_capacity(JointCapacity.of_stress(model.contacts, compression=8e6))
+    found = limit_shrink(weak, options=LimitOptions(equilibrium_only=True))
+    stands, falls = (state.contacts.corner_count for state, _, _ in found.states)
+    assert stands < falls
+    assert found.layers().contacts.corner_count == stands + falls
