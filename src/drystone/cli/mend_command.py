@@ -160,11 +160,11 @@ def _refuse(diagnose: bool, auto: bool, apply: tuple[int, ...] | None, out: Path
 
 def short(result: Result, waiting: Waiting) -> dict[str, Diagnosis]:
     """Why the heaviest regions of a result fall; nothing if nothing falls, or joints crush."""
-    from drystone.design import DiagnosisOptions, diagnose  # as above
-    from drystone.stability.strength import WEAK
+    from drystone.stability.strength import WEAK  # as above
 
     if not result.falls or WEAK in result.message:
         return {}
+    from drystone.design import DiagnosisOptions, diagnose  # as above
 
     few = DiagnosisOptions.brief()
     with waiting.stoppable() as stop:

@@ -14,7 +14,6 @@ from collections.abc import Callable, Iterator
 from functools import cached_property
 
 import numpy as np
-from scipy import optimize
 
 from drystone.base.arrays import Bools, Floats, Ints, lengths
 from drystone.mechanics import law
@@ -135,6 +134,8 @@ class EqualOverlaps:
 
     def _agreeing(self, motion: Floats, pressing: Bools) -> tuple[Floats, float]:
         """Forces (k, 3) that agree with a motion and leave least of the loads; its norm."""
+        from scipy.optimize import nnls  # slow to import
+
         force, corner = np.zeros((len(self.rows), 3)), np.flatnonzero(pressing)
         if not len(corner):
             return force, np.inf
@@ -142,7 +143,7 @@ class EqualOverlaps:
         rays = np.concatenate([np.tile(NORMAL, (len(corner), 1)), edge])
         twice = np.tile(corner, 2)
         try:
-            size, left = optimize.nnls(self._wrenches(twice, rays), -self.load)
+            size, left = nnls(self._wrenches(twice, rays), -self.load)
         except RuntimeError:  # it may cycle
             return force, np.inf
         np.add.at(force, twice, size[:, None] * rays)
