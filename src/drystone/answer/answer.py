@@ -12,7 +12,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, NoReturn, Self
+from typing import TYPE_CHECKING, Any, NoReturn, Self
 
 import numpy as np
 
@@ -25,6 +25,9 @@ from drystone.base.errors import InputError
 from drystone.base.settings import MayStop
 from drystone.base.table import Table
 from drystone.model import OfModel
+
+if TYPE_CHECKING:
+    import pandas
 
 
 class Answer(MayStop, OfModel, OneLine, ABC):
@@ -75,6 +78,10 @@ class Answer(MayStop, OfModel, OneLine, ABC):
         for one in self.tables():
             return one
         raise InputError("this answer has no table", remedy="ask for --json")
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """That table as a data frame."""
+        return self.table().to_pandas()
 
     @abstractmethod
     def layers(self) -> Scene:

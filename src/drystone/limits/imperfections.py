@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import TYPE_CHECKING, Any, Unpack
+from typing import Any, Unpack
 
 import numpy as np
 
@@ -25,9 +25,6 @@ from drystone.limits.limit_types import STANDS, Check, verdict
 from drystone.model import Model
 from drystone.results import Verdict
 from drystone.settlement import Loading, Outcome, SettlementOptions, settle
-
-if TYPE_CHECKING:
-    import pandas
 
 _FOLLOWED: Mapping[Outcome, Verdict] = {
     Outcome.RESTS: Verdict.STABLE,
@@ -153,10 +150,6 @@ class StandingShare(Answer):
         columns = dict(zip(titles, zip(*rows, strict=True), strict=True))
         units = dict.fromkeys(("share", "low", "high"), "1")
         return Table("by loading", {key: list(each) for key, each in columns.items()}, units)
-
-    def to_pandas(self) -> pandas.DataFrame:
-        """Every draw, as a data frame."""
-        return self.table().to_pandas()
 
     @property
     def title(self) -> str:

@@ -6,7 +6,7 @@ import enum
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -43,9 +43,6 @@ from drystone.joints import (
 from drystone.model import Model
 from drystone.results import Result, Verdict
 from drystone.settlement.settlement_types import SettlementOptions
-
-if TYPE_CHECKING:
-    import pandas
 
 CARRIES = 1e-3
 """Joints with less normal force than this share of the largest are neither hinges nor sliding."""
@@ -272,10 +269,6 @@ class LargeDisplacement(Answer):
             columns[side] = [names[getattr(self.contacts, side)[row[4]]] for row in rows]
         named = {"displacement": "m"} | ({"load": self.unit} if self.unit else {})
         return Table("events", columns, named)
-
-    def to_pandas(self) -> pandas.DataFrame:
-        """The curve as a data frame."""
-        return self.table().to_pandas()
 
     @property
     def title(self) -> str:
