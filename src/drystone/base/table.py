@@ -127,10 +127,10 @@ class Table(OneLine):
         return heads, [list(row) for row in zip(*columns, strict=True)]
 
     def printed(self) -> tuple[list[str], list[list[str]]]:
-        """Headings and rows for paper: loads are words and have more room than names."""
+        """Headings and rows for paper: words have more room than names."""
         heads, rows = self.cells()
-        most = [4 * NAME if name == "load" else NAME for name in heads]
-        return heads, [list(map(shortened, row, most)) for row in rows]
+        room = [[(8 if " " in one else 1) * NAME for one in row] for row in rows]
+        return heads, [list(map(shortened, *each)) for each in zip(rows, room, strict=True)]
 
     def _flat(self) -> dict[str, np.ndarray]:
         """The columns; of vectors one for each axis, its unit with it."""

@@ -150,6 +150,11 @@ class Earth(Options):
                     f"its {what}, {level:g} m, is below the wall", where="earth",
                     remedy=f"give a level above {lowest:g} m, not a height, or leave it out",
                 )  # fmt: skip
+        if self.water is not None and 0.0 < self.weight < _WATER:
+            raise InputError(
+                f"it weighs {quantity(self.weight, 'N')}/m3, less than the water in it",
+                where="earth", remedy="give its saturated weight; uplift is taken off here",
+            )  # fmt: skip
         levels = [top] if self.water is None else [top, self.water]
         strips = strips.cut_at(np.sort(levels))
 
