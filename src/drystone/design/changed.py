@@ -12,7 +12,7 @@ import numpy as np
 
 from drystone.answer import Answer, Layer, LayerKind, Question, Role, Scene, Sentence, State
 from drystone.assembly import Assembly
-from drystone.base.arrays import SAME, Bools, Floats
+from drystone.base.arrays import SAME, Bools, Floats, cross
 from drystone.base.display import OneLine, named
 from drystone.base.errors import InputError, counted
 from drystone.base.table import Table
@@ -363,11 +363,13 @@ def _weights(before: Model, after: Model) -> list[Layer]:
     chosen = size > SAME * np.linalg.norm(before_them, axis=1)
     if not chosen.any():
         return []
-    block = now[chosen]
+    block, force = now[chosen], more[chosen]
+    moment = (after.load.wrench[now, 3:] - before.load.wrench[was, 3:])[chosen]
+    at = after.assembly.centroid[block] + cross(force, moment) / size[chosen, None] ** 2
     return [
         Layer(
             "weights", counted(len(block), "added weight"), LayerKind.ARROWS, "added",
-            after.assembly.centroid[block], more[chosen], block=block,
+            at, force, block=block,
             single=True, width=2.0, group="help",
         )
     ]  # fmt: skip

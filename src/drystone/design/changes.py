@@ -10,7 +10,7 @@ from typing import TypeAlias
 import numpy as np
 
 from drystone.assembly import Block
-from drystone.base.arrays import Ints
+from drystone.base.arrays import Floats, Ints
 from drystone.base.display import OneLine
 from drystone.base.units import quantity
 from drystone.contacts import Contacts
@@ -18,7 +18,7 @@ from drystone.design.changed_model import acceleration_of
 from drystone.design.joint_cut import JointRecut, joint_plane, recut
 from drystone.design.props import PropSeat, with_props
 from drystone.design.surgery import insert_block, move_cut, still_edge, turn_cut, wedge_cut
-from drystone.design.words import friction_words, glue_words, names_of
+from drystone.design.words import friction_words, glue_words, names_of, place
 from drystone.joint_capacity import JointCapacity
 from drystone.model import Model
 
@@ -241,17 +241,19 @@ def glue_changes(
     }
 
 
-def ballast_change(model: Model, count: int, *on: int) -> Change:
-    """The least weight [N] on each of some blocks of a region, the first ones of a local model."""
+def ballast_change(model: Model, count: int, on: Mapping[int, Floats]) -> Change:
+    """The least weight [N] on each of some blocks of a region, at points (3,) [m]."""
 
     def make(weight: float, model: Model, blocks: Ints, _: Ints) -> Model:
-        for block in on:
-            model = ballasted(model, int(blocks[block]), weight)
+        for block, at in on.items():
+            model = ballasted(model, int(blocks[block]), weight, at)
         return model
 
     def words(weight: float) -> str:
-        each = "each of " if len(on) > 1 else ""
-        return f"a weight of {quantity(weight, 'N')} on {each}{names_of(model, on)}"
+        told = f"a weight of {quantity(weight, 'N')} on"
+        if len(on) > 1:
+            return f"{told} each of {names_of(model, list(on))}"
+        return f"{told} {names_of(model, list(on))} at {place(next(iter(on.values())))}"
 
     own = float(model.assembly.mass[:count].sum() * np.linalg.norm(acceleration_of(model)))
     steps = tuple(share * own for share in _BALLAST_SHARES)
@@ -270,11 +272,12 @@ def glued(model: Model, joints: Ints, strength: float) -> Model:
     return model.with_capacity(replace(before, tension=tension, cohesion=cohesion))
 
 
-def ballasted(model: Model, block: int, weight: float) -> Model:
-    """The model with an additional weight [N] at the centroid of a block."""
+def ballasted(model: Model, block: int, weight: float, at: Floats | None = None) -> Model:
+    """The model with an additional weight [N] at a point (3,) [m] of a block, or its centroid."""
     down = acceleration_of(model)
-    wrench = np.array(model.load.wrench)
-    wrench[block, :3] += weight * down / np.linalg.norm(down)
+    force, wrench = weight * down / np.linalg.norm(down), np.array(model.load.wrench)
+    arm = np.zeros(3) if at is None else at - model.assembly.centroid[block]
+    wrench[block] += np.concatenate([force, np.cross(arm, force)])
     name = f"{model.load.name} + {weight:.3g} N on {model.assembly.names[block]}"
     return model.with_load(replace(model.load, wrench=wrench, name=name))
 

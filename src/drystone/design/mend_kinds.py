@@ -30,6 +30,7 @@ from drystone.design.changes import (
 from drystone.design.margin import LARGE_REGION, SMALL_REGION
 from drystone.design.mends_beside import prop, support, tie
 from drystone.design.needs import SEARCHED, KnownNeeds, pulls_of_region
+from drystone.design.props import tops_of
 from drystone.design.surgery import (
     free_sides,
     merge_blocks,
@@ -291,19 +292,20 @@ def _overhung(model: Model, made: Mapping[int, Block], across: Floats) -> tuple[
 def _ballast(asked: KnownNeeds) -> Proposals:
     """The least weight on one block; else on each of the two that rise most when it falls."""
     bench, ballast = asked.bench, asked.needs.ballast
-    own = len(bench.own)
+    own, tops = len(bench.own), tops_of(bench.local, bench.own)
     if ballast is None:
         rise = bench.motion[:own, :3] @ -acceleration_of(bench.local)
         share = np.round(rise / (np.abs(rise).max() or 1.0), 6)
-        two = np.argsort(-share, kind="stable")[:2].tolist()
-        why = f"no weight up to {MOST:g} times its own on one block holds it"
-        if own <= SEARCHED and (share > 0.0).sum() > 1:
+        two = sorted((i for i in tops if share[i] > 0.0), key=lambda i: -share[i])[:2]
+        why = f"no weight up to {MOST:g} times its own on the free top of one block holds it"
+        if own <= SEARCHED and len(two) > 1:
             both = f"{why}, or on each of the two that rise most"
-            yield Tries([ballast_change(bench.local, own, *two)], both)
+            yield Tries([ballast_change(bench.local, own, {i: tops[i] for i in two})], both)
         else:
             yield why
         return
-    change = ballast_change(bench.local, own, bench.region.index(ballast.at[0]))
+    on = bench.region.index(ballast.at[0])
+    change = ballast_change(bench.local, own, {on: tops[on]})
     same = replace(change, steps=(ballast.value,), low=ballast.value)
     yield Tries([same], "the least weight does not keep the margin")
 

@@ -46,7 +46,7 @@ from drystone.design.changes import (
 )
 from drystone.design.corner_following import Corners
 from drystone.design.margin import SMALL_REGION
-from drystone.design.props import NO_PROPS, SHARES, PropSearch, find_props
+from drystone.design.props import NO_PROPS, SHARES, PropSearch, find_props, tops_of
 from drystone.design.regions import tension_if_glued
 from drystone.design.vertex_places import BlockVertices
 from drystone.mechanics.law import Compliance, uniform
@@ -175,8 +175,10 @@ def search_needs(bench: Bench, needs: Needs, kinds: Sequence[str]) -> Iterator[d
         ("friction", lambda: {"friction": _friction(bench)}),
     ]
     if len(bench.own) <= SEARCHED and acceleration_of(bench.local).any():
-        weights = [ballast_change(bench.local, len(bench.own), i) for i in bench.own]
-        each.append(("ballast", lambda: {"ballast": _smallest(bench, weights, bench.region)}))
+        tops, count = tops_of(bench.local, bench.own), len(bench.own)
+        weights = [ballast_change(bench.local, count, {i: at}) for i, at in tops.items()]
+        on = [bench.region[i] for i in tops]
+        each.append(("ballast", lambda: {"ballast": _smallest(bench, weights, on)}))
     if len(bench.own) <= SMALL_REGION:
         each.append(("turn", lambda: {"turn": _turn(bench)}))
     if bench.large:

@@ -405,6 +405,21 @@ def carries(model: Model, block: int, force: Floats) -> bool:
     return bool(-force @ load > np.sqrt(0.5) * np.linalg.norm(force) * np.linalg.norm(load))
 
 
+def tops_of(model: Model, blocks: Sequence[int]) -> dict[int, Floats]:
+    """Where weights can lie on blocks: the middles (3,) [m] of their largest free tops, if any."""
+    tops: dict[int, Floats] = {}
+    for i in blocks:
+        parts = [
+            part
+            for part in free_parts(model, i)
+            if carries(model, i, part.normal) and not _pressed(model, part)
+        ]
+        largest = max(parts, key=lambda part: part.area, default=None)
+        if largest and largest.area >= (0.5 * PLATE * model.assembly.size[i]) ** 2:
+            tops[i] = largest.middle
+    return tops
+
+
 def _few_props(
     model: Model, blocks: Sequence[int], motion: Floats, stop: Callable[[], bool] | None
 ) -> list[PropForce]:

@@ -16,6 +16,7 @@ from drystone.base.settings import Clock, Stopped
 from drystone.base.units import mass, quantity
 from drystone.design.bench import Bench, Near, Tried
 from drystone.design.changed import Changed, Kept, free_mass
+from drystone.design.changed_model import acceleration_of
 from drystone.design.changes import Change
 from drystone.design.diagnosis import Region
 from drystone.design.margin import DesignMargin
@@ -26,10 +27,11 @@ from drystone.model import Model
 from drystone.results import Result, Verdict
 
 JOINT, ADDED, VOLUME, FRICTION = 1.0, 2.0, 10.0, 5.0
-"""Costs: of a changed joint, of an added part, of a change of the whole volume of a region, and of
-an increase of a friction coefficient by 1. Chosen: to change a joint costs less than an additional
-part, and a tenth of the volume costs as much as a joint. Where no value makes it stand for all
-contact stiffnesses that are asked for, standing after settling costs as much as an added part."""
+"""Costs: of a changed joint, of an added part, of a change of the whole volume of a region, or of
+weights as heavy as it, and of an increase of a friction coefficient by 1. Chosen: to change a joint
+costs less than an additional part, and a tenth of the volume costs as much as a joint. Where no
+value makes it stand for all contact stiffnesses that are asked for, standing after settling costs
+as much as an added part."""
 
 
 _PARTS = 16
@@ -153,12 +155,6 @@ class _WholeCheck:
             return None
         model, made = bench.model, found.model
         volume = _volume_changed(model, made)
-        whole = float(model.assembly.volume[list(bench.region)].sum())
-        cost = ADDED if found.settles else 0.0
-        moved = VOLUME * (volume + _volume_moved(model, made)) / whole
-        cost += JOINT * candidate.joints + ADDED * candidate.added + moved
-        if candidate.kind == "friction":
-            cost += FRICTION * float((made.contacts.friction - model.contacts.friction).sum())
         was, now = mass(free_mass(model)), mass(free_mass(made))
         how = f"; free mass from {was} to {now}" if was != now else ""
         how += ", which holds only after settling" if found.settles else ""
@@ -173,12 +169,25 @@ class _WholeCheck:
             candidate.joints,
             candidate.added,
             volume,
-            cost,
+            self._cost(found, volume),
             self._still(made),
             jam.times if jam else 0.0,
         )
         stands = found.result.stable and not kept.held
         return Changed(model, made, found.result, stands, kept.description, (kept,))
+
+    def _cost(self, found: _Held, volume: float) -> float:
+        """As :data:`JOINT` and what is beside it; volume [m3] is what changed of it."""
+        before, made, one = self.bench.model, found.model, self.candidate
+        own = before.assembly.subset(list(self.bench.region))
+        cost = JOINT * one.joints + ADDED * (one.added + found.settles)
+        cost += VOLUME * (volume + _volume_moved(before, made)) / float(own.volume.sum())
+        if one.kind == "friction":
+            cost += FRICTION * float((made.contacts.friction - before.contacts.friction).sum())
+        if one.kind == "ballast":
+            weight = math.hypot(*acceleration_of(before)) * float(own.mass.sum())
+            cost += VOLUME * one.added * found.value / weight
+        return cost
 
     def _sized(self, found: _Held) -> str:
         """What posts bear that do not give: the largest force of one in the whole.
