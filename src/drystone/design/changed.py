@@ -49,7 +49,7 @@ class Kept(OneLine):
         Sum of the changes of volume of all blocks.
     cost
         ``joints + 2 added + 10 volume / volume of the region + 5 friction that is added``, where
-        what is moved counts by the way, divided by the size of the block.
+        what is moved counts by the way, divided by the size of the block, and weights as stone.
     held
         Names of blocks of other regions that were held during the search.
     jams

@@ -26,7 +26,7 @@ from drystone.design.search import least
 from drystone.design.words import NAMED, force_words, listed, names_of, place
 from drystone.loads import LoadCase
 from drystone.model import Model
-from drystone.sequence.scaffold_seats import Landing, first_met, in_the_open, surface_triangles
+from drystone.sequence.scaffold_seats import Landing, along, first_met, surface_triangles
 from drystone.supports import props_of as added_props
 from drystone.ties import tied
 
@@ -204,29 +204,36 @@ def tie(asked: KnownNeeds) -> Proposals:
 
     touching = {*zip(local.contacts.block_a.tolist(), local.contacts.block_b.tolist(), strict=True)}
 
-    def through(ties: Sequence[_Ends]) -> int:
-        """The number of joints that ties go through: those of blocks that touch."""
-        return sum((i, j) in touching or (j, i) in touching for i, j in ties)
+    def through(ends: _Ends) -> tuple[str, int, bool]:
+        """What a tie lies in, in words, through how many joints, and whether it is a dowel."""
+        (start, end), pair = centroid[[*ends]], bench.blocks[[*ends]].tolist()
+        free, pierced = along(bench.model.assembly, start, end, pair)
+        said = f" through {names_of(bench.model, pierced)}" if pierced else ""
+        if {ends, ends[::-1]} & touching:
+            return said or " through their joint", len(pierced) + 1, True
+        within = free <= 0.01 * math.dist(start, end)
+        said += "" if within else f", {free:.3g} m of it in the open"
+        return said, len(pierced) + (within and bool(pierced)), within and bool(pierced)
 
     def words(ties: tuple[_Ends, ...], forces: Floats, _: Floats) -> str:
-        told = []
-        for (i, j), force in zip(ties, forces, strict=True):
-            far, pull = np.linalg.norm(centroid[i] - centroid[j]), math.hypot(*force)
-            between = f"the middles of {names_of(local, [i, j])}, {far:.3g} m apart"
-            free = in_the_open(bench.model.assembly, *centroid[[i, j]])
-            if through([(i, j)]):
-                between += " through their joint"
-            elif free > 0.01 * far:
-                between += f", {free:.3g} m of it in the open"
-            told.append(f"{quantity(pull, 'N')} between {between}")
-        what = "dowel" if through(ties) == len(ties) else "tie"
+        told, dowels = [], True
+        for ends, force in zip(ties, forces, strict=True):
+            lies, _joints, dowel = through(ends)
+            between = f"the middles of {names_of(local, ends)}, {math.dist(*centroid[[*ends]]):.3g}"
+            told.append(f"{quantity(math.hypot(*force), 'N')} between {between} m apart{lies}")
+            dowels &= dowel
+        what = "dowel" if dowels else "tie"
         several = f"{len(told)} {what}s that pull" if len(told) > 1 else f"a {what} that pulls"
         return f"{several} {listed(told)}"
 
     def tries(several: list[tuple[_Ends, ...]], why: str) -> Tries:
         of = {
             Change.single(
-                "tie", partial(make, ties), "", joints=through(ties), added=len(ties)
+                "tie",
+                partial(make, ties),
+                "",
+                joints=sum(through(ends)[1] for ends in ties),
+                added=len(ties),
             ): ties
             for ties in several
         }
@@ -238,11 +245,11 @@ def tie(asked: KnownNeeds) -> Proposals:
         more = Change.single("tie", partial(make, all_ties), "") if len(several) > 2 else None
         return Tries(list(of), why, Take.FIRST, told=told, together=more)
 
-    dowels = np.array([through([(i, j)]) for i, j in apart.tolist()])  # they are tried last
+    beside = np.array([bool({(i, j), (j, i)} & touching) for i, j in apart.tolist()])  # tried last
     # from the middle a tie is half as long as between opposite blocks, and pulls aside
     twins = (apart[:, None] == _twins(bench)).all(axis=2).any(axis=1)
     aside = ~(twins & (bulk <= 2.0 * bulk.min()))
-    first = apart[np.lexsort((_off(bench, apart), bulk, aside, dowels))].tolist()
+    first = apart[np.lexsort((_off(bench, apart), bulk, aside, beside))].tolist()
     why = "" if held else f"a tie between blocks that move apart, of {counted(len(first), 'pair')}"
     why += f", or to what stands behind, of {counted(len(back), 'block')}" if why and back else ""
     several: list[tuple[_Ends, ...]] = [((i, j),) for i, j in first]
@@ -304,7 +311,7 @@ def _back_words(bench: Bench, block: int, ties: list[_Back], forces: Floats, poi
     """Ties of a block with their forces [N] as text; of a single one the least steady pull, too."""
     told, model = list[str](), bench.model
     for (at, met), force in zip(ties, forces, strict=True):
-        free = in_the_open(model.assembly, at, met.point)
+        free, _ = along(model.assembly, at, met.point, ())
         ends = f"from {place(at)} to {names_of(model, [met.block])} at {place(met.point)}"
         told.append(f"{quantity(math.hypot(*force), 'N')} {ends}, {free:.3g} m of it in the open")
     what = f"{len(ties)} ties that pull" if len(ties) > 1 else "a tie that pulls"

@@ -218,14 +218,22 @@ def first_met(
     return Landing(int(owner[first]), start + share[first] * (end - start), normal)
 
 
-def in_the_open(assembly: Assembly, start: Floats, end: Floats) -> float:
-    """How much of the line from a point (3,) to another one [m] lies in no block [m]."""
-    triangles, _ = surface_triangles(assembly)
+def along(
+    assembly: Assembly, start: Floats, end: Floats, ends: Sequence[int]
+) -> tuple[float, list[int]]:
+    """How much of a line (3,) to (3,) [m] lies in no block [m], and the blocks that it pierces.
+
+    ``ends``: those at its ends, which are left out.
+    """
+    triangles, owner = surface_triangles(assembly)
     hit, share = crossings(start, end, triangles)
     cuts = np.unique([0.0, *share[hit], 1.0])
     middle = start + 0.5 * (cuts[1:] + cuts[:-1])[:, None] * (end - start)
     free = np.diff(cuts)[winding_number(middle, triangles) < 0.5].sum()
-    return float(free * np.linalg.norm(end - start))
+    met = np.unique(owner[hit]).tolist()
+    deep = {i: np.ptp(share[hit & (owner == i)]) for i in met if i not in ends}
+    far = float(np.linalg.norm(end - start))
+    return float(free * far), [i for i, part in deep.items() if part > ROUNDING]
 
 
 def post_ways(assembly: Assembly, blocks: Ints, point: Floats, way: Floats) -> Floats:

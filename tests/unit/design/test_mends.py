@@ -379,6 +379,21 @@ def test_what_tips_on_both_sides_is_held_by_two_weights(tmp_path: Path) -> None:
     assert again(found.model, tmp_path).stable
 
 
+def test_a_corbel_is_held_by_a_weight_on_its_tail_or_a_dowel_through_the_stone_between() -> None:
+    """About the edge of the pier, at 1 m: weight x (0.25 m - 0.2 m) = ballast x 0.475 m."""
+    places = {"pier": (0.0, 0.0), "low": (0.3, 0.3), "high": (0.75, 0.6)}
+    stones = [box((1.0, 0.5, 0.3), (x, 0.0, z), name) for name, (x, z) in places.items()]
+    model = Model.of(Assembly(stones).with_fixed(["pier"]), friction=0.6)
+    ballast, dowel = find_mends(model, options=MendOptions(kinds=("tie", "ballast"))).mends
+    own = 9.81 * float(model.assembly.mass[1])
+    assert ballast.change.value == pytest.approx(0.05 / 0.475 * own, rel=0.02)
+    assert "on 'low' at (0.5" in ballast.change.description
+    assert ballast.change.cost == pytest.approx(2.0 + 10.0 * ballast.change.value / (2.0 * own))
+    assert dowel.change.description.startswith("a dowel that pulls")
+    assert dowel.change.description.endswith("m apart through 'low'")
+    assert (dowel.change.joints, dowel.change.cost) == (2, 4.0)
+
+
 def test_mends_come_before_reasons_and_what_failed_is_one_line(fallen: Mends) -> None:
     said = [one.text for one in fallen.sentences()]
     rows = [k for k, one in enumerate(said) if one.startswith("mend ")]
