@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import contextlib
 import errno
 import hashlib
@@ -48,7 +49,7 @@ def read_bytes(path: PathLike, largest: int | None = None, anew: str = "export i
     Raises
     ------
     FormatError
-        Missing, a folder, no plain file, empty, not readable, or too large.
+        Missing, a folder, no plain file, empty, an archive, not readable, or too large.
     """
     largest = LARGEST_FILE if largest is None else largest
     file = Path(path)
@@ -80,6 +81,8 @@ def read_bytes(path: PathLike, largest: int | None = None, anew: str = "export i
         ) from error
     if not data.strip(b" \t\r\n\x00"):
         raise FormatError("the file is empty", where=str(file), remedy=anew)
+    if data.startswith(b"PK\x03\x04") and file.suffix.lower() != ".usdz":
+        raise FormatError("is a zip archive", where=str(file), remedy="unpack it")
     return data
 
 
@@ -100,9 +103,10 @@ def decode(data: bytes, path: PathLike) -> str:
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise FormatError(
-            f"byte {error.start} is not UTF-8 text", where=str(path), remedy="save it as UTF-8 text"
-        ) from error
+        what, remedy = f"byte {error.start} is not UTF-8 text", "save it as UTF-8 text"
+        if b"\0" in data and data[:2] not in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE):
+            what, remedy = "is binary, no text", "name it by its format, or export it again"
+        raise FormatError(what, where=str(path), remedy=remedy) from error
 
 
 def toml_of(data: bytes, path: PathLike, deepest: int = 100) -> dict[str, Any]:

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
-from drystone.base.errors import InputError, located, meant
+from drystone.base.errors import FormatError, InputError, meant
 from drystone.cli.offered import MODEL, Option
 
 if TYPE_CHECKING:
@@ -99,5 +99,8 @@ def setting(text: str, known: Parameters) -> tuple[str, Any]:
     if not equals:
         raise InputError(f"'{text}' is not NAME=VALUE", where="--set")
     refuse_unknown(name, known, "--set")
-    with located(f"--set {name}"):
+    try:
         return name, known[name].value(value.strip())
+    except InputError as error:
+        file = f": {error.where}" if isinstance(error, FormatError) else ""
+        raise error.located(f"--set {name}{file}") from error

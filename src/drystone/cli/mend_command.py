@@ -79,8 +79,8 @@ def mend(
 ) -> Told:
     """Say why a model falls, and find changes with which it stands.
 
-    Each mend is checked on the whole model. With --auto or --apply, --out writes the mended model;
-    --html and --png show it with the edges of the model before.
+    Each mend is checked on the whole model. With --auto or --apply the answer is that of the mended
+    model: --out writes it, --html and --png show it with the edges of the model before.
 
     Exit code 0: it stands, already or mended. 1: it does not. 2: bad input.
     130: stopped by Ctrl-C, with what is known so far.
@@ -111,16 +111,15 @@ def mend(
     stands = not mends.mends and not mends.diagnosis.regions
     pictures = replace(wanted, out=None)
     notes = [*model.notes, *chosen.margin.remarks(model), *_notes(mends, chosen, everything)]
-    if stands and wanted.out is not None:
-        notes.append(f"{wanted.out} is not written: no mend is needed")
     told = Told(mends, notes=notes, files=partial(pictures.of, mends))
-    if apply is not None and not stands:
+    if apply is not None and stands:
+        left = "no mend is made" if wanted.out is None else f"{wanted.out} is not written"
+        notes.append(f"{left}: no mend is needed")
+    elif apply is not None:
         with waiting.keywords(time_limit) as common, located("--apply"):
             made_some = mends.together(apply, options=chosen, **common)
-        told = replace(
-            told, also={"applied": made_some}, exit_code=made_some.code,
-            files=partial(wanted.of, made_some),
-        )  # fmt: skip
+        notes = [*model.notes, *chosen.margin.remarks(model)]
+        told = Told(made_some, notes=notes, files=partial(wanted.of, made_some))
     if pages is not None:
         told = replace(told, files=partial(_with_pages, told.files, mends, pages), into=pages)
     return told

@@ -6,6 +6,7 @@ import textwrap
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
+from itertools import combinations
 from typing import Any, Unpack
 
 import numpy as np
@@ -272,8 +273,12 @@ class Mends(Answer):
                     remedy="give numbers that are listed" if self.mends else "leave it out",
                 )
         chosen = [self.mends[number - 1] for number in numbers]
-        if len({one.change.blocks for one in chosen}) < len(chosen):
-            raise InputError("two mends are of the same blocks", remedy="give one of each part")
+        for (first, one), (other, two) in combinations(zip(numbers, chosen, strict=True), 2):
+            if one.change.blocks == two.change.blocks:
+                raise InputError(
+                    f"mends {first} and {other} are both of {named(one.change.blocks)}",
+                    remedy="give one of each part",
+                )
         return chosen
 
     @property

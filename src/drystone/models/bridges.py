@@ -25,8 +25,8 @@ _WIDEST = 200.0
 
 
 def segmental_bridge(
-    span: float = 6.0,
-    rise: float = 1.5,
+    span: float | None = None,
+    rise: float | None = None,
     ring: float = 0.45,
     voussoirs: int = 30,
     width: float = 1.0,
@@ -47,7 +47,7 @@ def segmental_bridge(
     Parameters
     ----------
     span, rise : [m]
-        Of the intrados; those of ``profile`` where it has points.
+        Of the intrados, 6 and 1.5 when left out; not with a ``profile`` of points, which has both.
     ring : [m] > 0
         Thickness of a ring, square to the intrados.
     voussoirs : >= 2
@@ -87,7 +87,11 @@ def segmental_bridge(
     >>> bridge.names
     ('springer-left', 'voussoir-00', 'voussoir-01', 'voussoir-02', 'springer-right')
     """
-    foot = joints_of(profile, span, rise, voussoirs)
+    own = (span is None and rise is None) or not isinstance(profile, Measured)
+    require(own, "span and rise are those of the profile's points", "leave them out")
+    foot = joints_of(
+        profile, 6.0 if span is None else span, 1.5 if rise is None else rise, voussoirs
+    )
     joints = foot[:, :1] + ring * np.arange(rings + 1)[:, None] * foot[:, 1:]  # (j, rings + 1, 2)
     _require_simple(joints)
     depth = (0.0, width)
@@ -209,7 +213,9 @@ class Measured(OneLine):
     def __post_init__(self) -> None:
         given = frozen_floats(self.point, (None, 2), "points of the intrados")
         require(len(given) > 2, counted(len(given), "point"), "give three or more, x and z")
-        require(bool((np.diff(given[:, 0]) > 0.0).all()), "its x does not grow", "left to right")
+        back = np.flatnonzero(np.diff(given[:, 0]) <= 0.0)[:1]
+        words = [f"{given[i, 0]:g} in row {i + 1}, {given[i + 1, 0]:g} in the next" for i in back]
+        require(not words, f"its x does not grow: {' '.join(words)}", "give it from left to right")
         span = float(given[-1, 0] - given[0, 0])
         require(
             span <= _WIDEST, f"it spans {span:g} m",

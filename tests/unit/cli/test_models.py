@@ -76,6 +76,7 @@ def test_every_family_is_built_without_being_told_more(capsys: Capsys) -> None:
         ),
         (["wall", "--set", "ground=yes"], "--set ground: "),
         (["wall", "--set", "size=a,b"], "--set size: length 'a' is not a number"),
+        (["segmental-bridge", "--set", "profile=none.csv"], "--set profile: none.csv: there is no"),
         (["arch", "--set", "voussoirs=1.5"], "not a whole number"),
         (["arch", "--set", "colour=1"], "no parameter 'colour'"),
         (["arch", "--out", "arch.doc"], "--out: 'arch.doc' does not end in"),

@@ -26,6 +26,18 @@ from drystone.models import tower
         ("folder.obj", lambda p: p.mkdir(), ["folder"]),
         ("latin.obj", lambda p: p.write_bytes(b"o Gew\xf6lbe\n"), ["byte 5", "UTF-8"]),
         ("latin.json", lambda p: p.write_bytes(b'{"a": "\xf6"}'), ["byte 7", "UTF-8"]),
+        (
+            "packed.obj",
+            lambda p: p.write_bytes(b"PK\x03\x04\x14"),
+            ["packed.obj: is a zip", "unpack"],
+        ),
+        (
+            "packed.stl",
+            lambda p: p.write_bytes(b"PK\x03\x04\x14"),
+            ["packed.stl: is a zip", "unpack"],
+        ),
+        ("binary.obj", lambda p: p.write_bytes(b"\x7fELF\0\xff"), ["is binary", "name it by its"]),
+        ("wide.obj", lambda p: p.write_bytes("o Gewölbe".encode("utf-16")), ["byte 0", "UTF-8"]),
         ("model.doc", lambda p: p.write_bytes(b"x"), ["'.doc'", ".json", ".obj"]),
         ("model", lambda p: p.write_bytes(b"x"), ["no suffix"]),
         ("bad\0name.obj", None, ["bad"]),

@@ -67,6 +67,8 @@ def test_the_polyline_of_a_drawing_is_an_intrados(tmp_path: Path) -> None:
     table.write_text("0,0\n3;one\n6,0", "utf-8")
     with pytest.raises(InputError, match="'3,one' is not X,Z"):
         Measured.named(str(table))
+    with pytest.raises(InputError, match="does not grow: 3 in row 2, 2 in the next"):
+        Measured.named("0,0 3,1.5 2,2 6,0")
 
 
 def test_piers_and_abutments_stand_free_on_a_fixed_course() -> None:
@@ -90,6 +92,7 @@ def test_a_ring_of_two_rolls_is_one_ring_cut_along() -> None:
         ({"spans": 2, "pier": 0.1}, "the rings meet over a pier"),
         ({"height": 2.0, "abutment": 0.1}, "an abutment is too narrow"),
         ({"profile": Measured(np.array([[0.0, 0.0], [1.0, -1.0], [2.0, 0.0]]))}, "joints cross"),
+        ({"profile": Measured.named("0,0 1,1 2,0"), "span": 6.0}, "span and rise are those of"),
     ],
 )
 def test_what_cannot_be_built_is_told(given: dict[str, object], told: str) -> None:
