@@ -109,10 +109,10 @@ def test_a_tie_between_two_points_holds_by_its_lever_arm() -> None:
             seismic=f"{share * expected},0",
         )
         assert (found.stable, found.falls) == (stands, not stands)
-        if stands:
-            (drawn,) = (one for one in found.layers().stages[0].layers if one.key == "tie-forces")
-            np.testing.assert_allclose(drawn.position[0] + drawn.vector[0], [0.5, 0.5, 1.9])
-            assert drawn.vector[0] @ [1.0, 0.0, 0.0] == pytest.approx(np.linalg.norm(drawn.vector))
+        (drawn,) = (one for one in found.layers().stages[0].layers if one.key == "tie-forces")
+        np.testing.assert_allclose(drawn.position[0] + drawn.vector[0], [0.5, 0.5, 1.9])
+        assert drawn.vector[0] @ [1.0, 0.0, 0.0] == pytest.approx(np.linalg.norm(drawn.vector))
+        assert drawn.label.startswith("a tie, which pulls" if stands else "a tie of 4 kN")
 
 
 def prism(name: str, *corners: tuple[float, float]) -> Block:

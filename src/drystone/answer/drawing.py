@@ -35,9 +35,10 @@ def state_of(assembly: Assembly) -> Ints:
 
 
 def bare_scene(model: Model) -> Scene:
-    """Blocks, their interfaces and loads, without an analysis."""
+    """Blocks, their interfaces, ties and loads, without an analysis."""
     scene = scene_of_blocks(model.assembly, model.contacts)
     stage, drawn = scene.stages[0], load_layers(model.assembly, model.load)
+    drawn = (*tie_layer(model.assembly, model.contacts, "", ~model.contacts.of_fill), *drawn)
     message, layers = "; ".join(worth_drawing(model.notes)), (*stage.layers, *drawn)
     told = replace(stage, message=message, layers=layers)
     return replace(scene, stages=(told,), facts=Question.of(model).facts())
@@ -186,10 +187,17 @@ def _surface_layer(assembly: Assembly, load: LoadCase) -> tuple[Layer, ...]:
 def tie_layer(
     assembly: Assembly, contacts: Contacts, words: str, shown: Bools | None = None
 ) -> tuple[Layer, ...]:
-    """The ties among some interfaces (m,), or all, as lines from end to end, with words."""
+    """The ties among some interfaces (m,), or all, as lines from end to end, with words.
+
+    Without words their least strength is told.
+    """
     ties = np.flatnonzero(contacts.ties if shown is None else contacts.ties & shown)
     if not ties.size:
         return ()
+    if not words:
+        least = float(contacts.tie_strength[ties].min())
+        limit = f" of {quantity(least, 'N')}" if least < np.inf else ""
+        words = f"{'a tie' if ties.size == 1 else 'ties'}{limit}"
     start, along = contacts.centroid[ties], contacts.frame[ties, 0]
     away = dot(assembly.centroid[contacts.block_a[ties]] - start, along)
     far = np.where(away > 0.0, away, assembly.size[contacts.block_b[ties]])[:, None] * along

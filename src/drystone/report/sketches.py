@@ -69,7 +69,7 @@ def dimensions_picture(model: Model) -> Picture:
     from matplotlib.figure import Figure  # slow to import
 
     scene = bare_scene(model)
-    pressed = [one for one in scene.stages[0].layers if one.key == "surface"]
+    drawn = [one for one in scene.stages[0].layers if one.key in ("surface", "tie-forces")]
     span, middle = scene.bounds[1] - scene.bounds[0], scene.bounds.mean(axis=0)
     assembly = model.assembly
     told = assembly.bounds[~assembly.fixed] if len(assembly.free) else assembly.bounds
@@ -84,7 +84,7 @@ def dimensions_picture(model: Model) -> Picture:
     away = 0.08 * float(span.max())
     for number, (along, toward) in enumerate(views):
         axes: Any = figure.add_subplot(grid[0, number])
-        seen = [one for one in pressed if not _end_on(one, toward)]
+        seen = [one for one in drawn if one.key == "tie-forces" or not _end_on(one, toward)]
         keys = [one.key for one in seen]
         draw(scene, (_WIDTH, 3.1), toward=toward, layers=keys, inside=axes, scaled=False)
         axes.set_title("elevation" if number == 0 else "side view", fontsize=8)
@@ -93,8 +93,8 @@ def dimensions_picture(model: Model) -> Picture:
         half = np.max([0.5 * span, *reach], axis=0)[flat]
         _dimensions(axes, ends[:, flat], half, away)
         _axes_of(axes, -half - 2.6 * away, 1.2 * away, "xyz"[along])
-    earth = f", and {pressed[0].label}" if pressed else ""
-    return _picture(figure, f"Overall dimensions of the free blocks{earth}")
+    words = ["Overall dimensions of the free blocks", *(one.label for one in drawn)]
+    return _picture(figure, ", and ".join(words))
 
 
 @cache

@@ -53,6 +53,8 @@ def stage_of(result: Solution, headline: str, label: str = "result") -> SceneSta
     up, gravity = directions(assembly, result.load)
     needed = _needed(result)
     layers = [*interface_layers(contacts), *help_layer(assembly, needed)]
+    if result.force is None:
+        layers += tie_layer(assembly, contacts, "", ~contacts.of_fill)
     layers += load_layers(assembly, result.load)
     stage = SceneStage(
         label, headline, "; ".join([result.message, *worth_drawing(result.model.notes)]), state,
