@@ -11,13 +11,13 @@ from typing import TypeAlias
 import numpy as np
 
 from drystone.assembly import Assembly
-from drystone.base.arrays import Floats, Ints, dot, lengths
+from drystone.base.arrays import Floats, Ints, dot, lengths, unit
 from drystone.base.display import rounded_up
 from drystone.base.errors import counted
 from drystone.base.units import quantity
 from drystone.checks import first_motion_of
 from drystone.design.bench import ALIKE, Bench, Held, Proposals, Take, Tries
-from drystone.design.changed_model import acceleration_of
+from drystone.design.changed_model import acceleration_of, usual_friction
 from drystone.design.changes import Change, block_added, props_at
 from drystone.design.margin import LARGE_REGION, SMALL_REGION, DesignMargin, quick_check
 from drystone.design.needs import KnownNeeds, props_of
@@ -139,7 +139,8 @@ def _prop_words(bench: Bench, some: Sequence[PropSeat], forces: Floats, points: 
     parts = ", ".join(told)
     if len(some) > 1:
         return f"{len(some)} props: {parts}"
-    return f"a prop of {parts}{_steady(bench, some[0].block, forces[0], points[0])}"
+    steady = _steady(bench, some[0].block, forces[0], points[0])
+    return f"a prop of {parts}{steady}{_buttress(bench, some[0].block, forces[0], points[0])}"
 
 
 def _by_force(
@@ -168,6 +169,27 @@ def _steady(bench: Bench, block: int, force: Floats, point: Floats, what: str = 
     share, size = least(stands, (1.0,)) or 0.0, math.hypot(*force)
     told = quantity(min(rounded_up(share * size, 2), size), "N")
     return f"; a jack that {what} by a steady {told} holds it" if share else ""
+
+
+def _buttress(bench: Bench, block: int, force: Floats, point: Floats) -> str:
+    """A buttress of the same stone in place of a level prop: how deep it neither tips nor slides.
+
+    It is as high as the prop is above the foot of the region, and as wide as the block, up to 1 m:
+    weight x depth / 2 = force x height, and force = friction x weight.
+    """
+    model, blocks = bench.local, bench.local.assembly.blocks
+    (level,), (rise,) = _parted(bench, force[None])
+    push, weight = math.hypot(*level), math.hypot(*_gravity(bench)) * blocks[block].density
+    feet = _parted(bench, np.concatenate([blocks[i].vertices for i in bench.own]))[1]
+    high = float(_parted(bench, point[None])[1][0] - feet.min())
+    if abs(rise) > _LEVEL * push or not weight or high <= 0.0:
+        return ""
+    across, _ = unit(np.cross(_gravity(bench), level))
+    wide = min(float(np.ptp(blocks[block].vertices @ across)), 1.0)
+    tips, slides = math.sqrt(2.0 * push / (weight * wide)), push / (weight * wide * high)
+    deep = rounded_up(max(tips, slides / usual_friction(model)), 2)
+    size = f"{wide:.2g} m wide, {deep:g} m deep and as high"
+    return f"; or a buttress of the same stone, {size}"
 
 
 _Ends: TypeAlias = tuple[int, int]

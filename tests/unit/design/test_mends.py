@@ -309,6 +309,25 @@ def test_a_mend_under_a_train_is_asked_of_all_its_places() -> None:
     assert not found.together([2], options=options).stands
 
 
+def test_in_place_of_a_level_prop_a_buttress_of_the_size_that_is_told_stands() -> None:
+    """A wall that is pushed over at its top; with a buttress a third as deep it falls."""
+    ground, wall = box((6.0, 6.0, 1.0), (-3.0, -3.0, -1.0), "ground"), box((2.0, 0.5, 2.0))
+    blocks = Assembly((ground, wall.renamed("wall"))).with_fixed(["ground"])
+    push = (0.0, -9e3, 0.0), (1.0, 0.25, 2.0)
+
+    def model(*more: Block) -> Model:
+        made = Model.of(Assembly((*blocks.blocks, *more)).with_fixed(["ground"]), friction=0.6)
+        return made.with_load(made.load + LoadCase.point_load(made.assembly, "wall", *push))
+
+    (found,) = find_mends(model(), options=MendOptions(kinds=("prop",))).mends
+    told = re.search(r"buttress .*, (\S+) m wide, (\S+) m deep and as high", found.words)
+    high = float(re.search(r"at \(\S+ \S+ (\S+)\) m", found.words)[1])  # type: ignore[index]
+    wide, deep = map(float, told.groups())  # type: ignore[union-attr]
+    for share, stands in ((1.0, True), (0.3, False)):
+        stone = box((wide, share * deep, high), (0.5, -share * deep, 0.0), "buttress")
+        assert check(model(stone)).stable is stands
+
+
 def test_two_blocks_that_nothing_presses_need_two_props(tmp_path: Path) -> None:
     walls = box((1.0, 1.0, 3.0), name="left"), box((1.0, 1.0, 3.0), (3.0, 0.0, 0.0), "right")
     loose = (box((1.0, 1.0, 1.0), (1.0, 0.0, 1.0), "one"),
