@@ -621,11 +621,11 @@ def _crossed(made: Changed, chosen: MendOptions, clock: Clock) -> Changed:
 
 
 def _with_margin(made: Sequence[Changed], stop: Stop) -> list[Changed]:
-    """Mends of one kind, the one with the least cost with the tilt that forces balance."""
-    least = min((one.change.cost for one in made), default=0.0)
+    """Mends of one kind, those with the least cost with the tilt that forces balance."""
+    least = min(map(_cost, made), default=0.0)
     return [
         replace(one, result=with_margins(one.result, stop))
-        if one.change.cost == least and one.result.model is one.model
+        if _cost(one) == least and one.result.model is one.model
         else one
         for one in made
     ]
@@ -666,10 +666,15 @@ def _falls_besides(model: Model, falling: set[int], stop: Stop) -> set[int]:
     return more
 
 
+def _cost(made: Changed) -> float:
+    """Without what is only rounding."""
+    return round(made.change.cost, 9)
+
+
 def _rank(margin: DesignMargin, made: Changed) -> tuple[bool, bool, float, int, float]:
-    """Those that settle last, then those that jam; cost, but for rounding, then kind and size."""
+    """Those that settle last, then those that jam; cost, then kind and size."""
     one, settles = made.change, not margin.meets(made.result)
-    return settles, one.jams > 0.0, round(one.cost, 9), KINDS.index(one.kind), one.value
+    return settles, one.jams > 0.0, _cost(made), KINDS.index(one.kind), one.value
 
 
 def kept_blocks(model: Model, keep: int | str | Sequence[int | str]) -> frozenset[int]:
