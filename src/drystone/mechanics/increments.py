@@ -14,7 +14,7 @@ import numpy as np
 
 from drystone.base.arrays import Floats, Ints, lengths
 from drystone.mechanics.bodies import LIGHT, BlockPositions, Bodies, place_corners, turned_load
-from drystone.mechanics.law import ContactResponse, respond
+from drystone.mechanics.law import BLURRED, ContactResponse, respond
 from drystone.mechanics.maps import corner_rows, maps_between, times
 from drystone.mechanics.newton import Equation, Steps, newton
 from drystone.solvers.factors import Solve
@@ -207,6 +207,7 @@ class _Balance(Equation[Increment, tuple[Floats, float]]):
         if blocks.grown is not None:
             self.grown = turned_load(*blocks.grown, turn)
             self.size = float(np.linalg.norm(blocks.grown[0]))
+        self.blur = BLURRED * bodies.overlap if blocks.rough else 0.0  # few: another path
         self.shift: Floats | None = None
         if moving is not None:
             self.shift = blocks.imposed(moving)
@@ -239,7 +240,9 @@ class _Balance(Equation[Increment, tuple[Floats, float]]):
     def step(self, point: Increment, renew: bool) -> tuple[Floats, float]:
         if renew or self.solve is None:
             self.solve = None  # one set of factors at a time
-            self.solve = self.maps.factorise(point.response.tangent, self.weight)
+            law, blur = point.response, self.blur
+            tangent = law.blurred(blur * point.size) if blur else law.tangent
+            self.solve = self.maps.factorise(tangent, self.weight)
         step = self.solve(point.left)
         if self.grown is None:
             return step, 0.0

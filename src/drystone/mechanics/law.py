@@ -26,6 +26,14 @@ COHESIVE_FRICTION = 0.1
 MOBILISED = 0.999
 """Share of the bound from which on friction says nothing of how far a corner has slid."""
 
+BLURRED = 0.1
+"""How near, by the overlap under its load and what is unbalanced, a corner is about to open or
+close. Measured on samples of eight walls and two vaults of 2,000 to 4,500 blocks: from 0 three of
+16 samples are given up and begun anew, from 0.05 one, from 0.03, 0.1 and 0.15 none; with 0.1 they
+take 126 factorisations, and 141 with 0, which do not end. Where blocks are followed, on 29 arches,
+vaults, walls and domes near their limits: 24 take fewer Newton steps, an arch a third, all a tenth
+fewer, and all end alike; the dome of 640 blocks at its least friction takes 78 in place of 245."""
+
 FEW_JOINTS = 120
 """Joints up to which a second random distribution is tried. Measured, most near their limits: of
 2,535 models with fewer joints it alone does not hold 15; of 533 with more three, which most other
@@ -243,12 +251,12 @@ class ContactResponse:
     Attributes
     ----------
     force : (k, 3) local n, u, v, on block b
-    pressed : (k,)
+    gap : (k,)
     tension : (k,) pull of the glue
     """
 
     force: Floats
-    pressed: Bools
+    gap: Floats
     tension: Floats
     _friction: FrictionResponse
     _press: Floats
@@ -256,12 +264,20 @@ class ContactResponse:
     _glue: Floats
 
     @property
+    def pressed(self) -> Bools:
+        """Corners (k,) that blocks press."""
+        return self.gap < 0.0
+
+    @property
     def tangent(self) -> Floats:
         """(k, 3, 3) minus the derivative of the force by the displacement of b over a."""
-        return self.tangent_where(self.pressed)
+        return self._tangent(self.pressed)
 
-    def tangent_where(self, pressed: Floats | Bools) -> Floats:
-        """The same with the stiffness of corners that are pressed to some share (k,)."""
+    def blurred(self, width: Floats | float) -> Floats:
+        """The same with part of the stiffness of corners within a width (k,) of their change."""
+        return self._tangent(0.5 - 0.5 * self.gap / np.hypot(self.gap, width))
+
+    def _tangent(self, pressed: Floats | Bools) -> Floats:
         apart = 1.0 - pressed
         bearing = pressed * self._press + apart * self._pull
         out = np.empty((3, 3, *bearing.shape))  # the numbers of many corners lie side by side
@@ -294,7 +310,6 @@ def respond(
     before : (k, 2)
         Friction T0 with which the slide began, against it; zero if left out.
     """
-    pressed = gap < 0.0
     presses, press = springs.press(gap)
     bearing = net = np.maximum(presses, 0.0)
     tension = pull = glue = _NOTHING
@@ -306,7 +321,7 @@ def respond(
         net = bearing - tension
     friction = springs.resisted(bearing, slide, before)
     force = pressing(net, friction)
-    return ContactResponse(force, pressed, tension, friction, press, pull, glue)
+    return ContactResponse(force, gap, tension, friction, press, pull, glue)
 
 
 def uniform(
