@@ -11,7 +11,7 @@ from typing import TypeAlias
 import numpy as np
 
 from drystone.assembly import Assembly
-from drystone.base.arrays import Floats, Ints, dot, lengths, unit
+from drystone.base.arrays import Bools, Floats, Ints, dot, lengths, unit
 from drystone.base.display import rounded_up
 from drystone.base.errors import counted
 from drystone.base.units import quantity
@@ -224,6 +224,14 @@ def tie(asked: KnownNeeds) -> Proposals:
             model = tied(model, int(blocks[i]), int(blocks[j]))
         return model
 
+    hoops = {Change.single("tie", partial(make, ring), "", added=1): ring for ring in _rings(bench)}
+
+    def told_hoop(change: Change) -> Held:
+        held.append(change)
+        ring = hoops[change]
+        return _by_force(bench, len(ring), partial(_hoop_words, bench, ring), change)
+
+    yield Tries(list(hoops), "", Take.FIRST, told=told_hoop)
     touching = {*zip(local.contacts.block_a.tolist(), local.contacts.block_b.tolist(), strict=True)}
 
     def through(ends: _Ends) -> tuple[str, int, bool]:
@@ -406,12 +414,41 @@ def _apart(bench: Bench, motion: Floats, ties: tuple[_Ends, ...] = ()) -> tuple[
 
 def _twins(bench: Bench) -> Ints:
     """Pairs (p, 2) of blocks of the region that alone have their volume and their height."""
+    own, like = _alike(bench)
+    alone = like.sum(axis=1) == 2
+    return own[np.argwhere(np.triu(like, 1) & alone & alone[:, None])]
+
+
+def _alike(bench: Bench) -> tuple[Ints, Bools]:
+    """The blocks (o,) of the region, and which (o, o) of them have one volume and one height."""
     own, blocks = np.sort(bench.own), bench.local.assembly
     volume, height = blocks.volume[own], blocks.centroid[own, 2] / blocks.size[own].max()
     like = np.isclose(volume, volume[:, None], rtol=ALIKE, atol=0.0)
-    like &= np.abs(height - height[:, None]) < ALIKE
-    alone = like.sum(axis=1) == 2
-    return own[np.argwhere(np.triu(like, 1) & alone & alone[:, None])]
+    return own, like & (np.abs(height - height[:, None]) < ALIKE)
+
+
+def _rings(bench: Bench) -> list[tuple[_Ends, ...]]:
+    """Ties around round rings of blocks alike that move outwards, the fastest ring first."""
+    (own, like), centroid = _alike(bench), bench.local.assembly.centroid
+    found: list[tuple[float, tuple[_Ends, ...]]] = []
+    for row in np.unique(like, axis=0):
+        some = own[row]
+        way, far = unit(centroid[some, :2] - centroid[some, :2].mean(axis=0))
+        out = float(dot(bench.motion[some, :2], way).mean())
+        if len(some) > 4 and np.ptp(far) < ALIKE * far.max() and out > 0.0:  # four are two arches
+            ring = some[np.argsort(np.arctan2(way[:, 1], way[:, 0]), kind="stable")]
+            ends = zip(ring.tolist(), np.roll(ring, -1).tolist(), strict=True)
+            found.append((round(-out, 9), tuple(ends)))
+    return [ends for _, ends in sorted(found)[:_FIRST]]
+
+
+def _hoop_words(bench: Bench, ring: tuple[_Ends, ...], forces: Floats, _: Floats) -> str:
+    """Ties around a ring as text, with the largest of their forces [N]."""
+    most, middle = quantity(float(lengths(forces).max()), "N"), [i for i, _ in ring]
+    return (
+        f"a ring of {len(ring)} ties between the middles of {names_of(bench.local, middle)}, of "
+        f"which each pulls at most {most}"
+    )
 
 
 def lies_under_all(assembly: Assembly, block: int) -> bool:

@@ -28,7 +28,17 @@ from drystone.design.bench import Bench
 from drystone.design.changes import Change
 from drystone.joint_capacity import JointCapacity
 from drystone.loads import Train
-from drystone.models import arch, barrel_vault, box, h_model, segmental_bridge, shelf, tower, wedge
+from drystone.models import (
+    arch,
+    barrel_vault,
+    box,
+    dome,
+    h_model,
+    segmental_bridge,
+    shelf,
+    tower,
+    wedge,
+)
 from drystone.models.simple import prism
 
 SLOPE = np.rad2deg(np.arctan2(0.676163 - 0.627729, 0.284267 - 0.243736))
@@ -326,6 +336,21 @@ def test_in_place_of_a_level_prop_a_buttress_of_the_size_that_is_told_stands() -
     for share, stands in ((1.0, True), (0.3, False)):
         stone = box((wide, share * deep, high), (0.5, -share * deep, 0.0), "buttress")
         assert check(model(stone)).stable is stands
+
+
+def test_a_dome_whose_cracked_foot_slides_apart_gets_a_ring_of_ties() -> None:
+    shell, ground = dome(3.0, 0.5, slices=6, rings=2), box((8.0, 8.0, 0.5), (-4.0, -4.0, -0.5))
+    blocks = Assembly((ground.renamed("ground"), *shell.blocks)).with_fixed(["ground"])
+    model = Model.of(blocks, friction=0.2)
+    foot = np.array([name.startswith("r00") for name in blocks.names])
+    whole = ~(foot[model.contacts.block_a] & foot[model.contacts.block_b])
+    cracked = model.with_contacts(model.contacts.select(whole))
+    ring = find_mends(cracked, options=MendOptions(kinds=("tie",))).mends[-1]
+    assert ring.words.startswith("a ring of 6 ties between the middles of 'r00-b0")
+    pulls = np.linalg.norm(ring.result.resultants.force[-6:], axis=1)
+    assert f"each pulls at most {pulls.max():.3g} N" in ring.words
+    assert pulls.min() > 0.8 * pulls.max()
+    assert (ring.change.cost, ring.change.added) == (2.0, 1)
 
 
 def test_two_blocks_that_nothing_presses_need_two_props(tmp_path: Path) -> None:
