@@ -92,22 +92,25 @@ def rotation_about(axis: Floats, angle_deg: float) -> Floats:
     return np.eye(3) + np.sin(angle) * turn + (1.0 - np.cos(angle)) * (turn @ turn)
 
 
+UNTURNED = arrays.frozen(np.eye(3))
+"""The matrix of no rotation: to make one takes longer than a product of two."""
+_SKEW = np.array([[0, 2, 1], [2, 0, 0], [1, 0, 0]])
+_SIGN = np.array([[0.0, -1.0, 1.0], [1.0, 0.0, -1.0], [-1.0, 1.0, 0.0]])
+
+
 def rotations(vectors: Floats) -> Floats:
     """Matrices (n, 3, 3) of rotation vectors (n, 3) [rad]. Source: Rodrigues 1840."""
     axis, angle = arrays.unit(vectors)
     turn = skew(axis)
-    sine, less = np.sin(angle)[:, None, None], (1.0 - np.cos(angle))[:, None, None]
-    return np.eye(3) + sine * turn + less * (turn @ turn)
+    made = np.sin(angle)[:, None, None] * turn
+    made += UNTURNED
+    made += (1.0 - np.cos(angle))[:, None, None] * (turn @ turn)
+    return made
 
 
 def skew(vectors: Floats) -> Floats:
     """Matrices (k, 3, 3) with ``skew(a) @ b == cross(a, b)`` for vectors (k, 3)."""
-    a = np.asarray(vectors, dtype=np.float64).reshape(-1, 3)
-    out = np.zeros((len(a), 3, 3))
-    out[:, 0, 1], out[:, 0, 2] = -a[:, 2], a[:, 1]
-    out[:, 1, 0], out[:, 1, 2] = a[:, 2], -a[:, 0]
-    out[:, 2, 0], out[:, 2, 1] = -a[:, 1], a[:, 0]
-    return out
+    return vectors.take(_SKEW, axis=-1) * _SIGN
 
 
 def area_vectors(corners: Floats, start: Ints) -> Floats:

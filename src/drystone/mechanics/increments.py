@@ -12,7 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drystone.base.arrays import Floats, Ints, lengths
+from drystone.base.arrays import Floats, lengths
+from drystone.geometry.frames import UNTURNED
 from drystone.mechanics.bodies import LIGHT, BlockPositions, Bodies, place_corners, turned_load
 from drystone.mechanics.law import BLURRED, ContactResponse, respond
 from drystone.mechanics.maps import corner_rows, maps_between, times
@@ -174,23 +175,23 @@ class Increments:
             placed = placed._replace(gap=placed.gap + self.yielded)
         self.pose, self.placed = pose, placed
         self.mass = self.bodies.turned_mass(pose.turn)
-        self.maps.at(
-            self.placed.axes, self._arms(self.bodies.block_a), self._arms(self.bodies.block_b)
-        )
+        self.maps.at(placed.axes, *self._arms())
 
     def imposed(self, moving: Floats) -> Floats:
         """Local motion (k, 3) of b over a at each corner due to supports that move by (n, 6)."""
         bodies, result = self.bodies, np.zeros((len(self.placed.gap), 3))
         still = np.where((bodies.slot < 0)[:, None], moving, 0.0)
-        for block, sign in ((bodies.block_a, -1.0), (bodies.block_b, 1.0)):
-            rows = corner_rows(self.placed.axes, self._arms(block))
-            result += sign * np.einsum("kij,kj->ki", rows, still[block])
+        of_a, of_b = corner_rows(self.placed.axes, self._arms())
+        result -= np.einsum("kij,kj->ki", of_a, still[bodies.block_a])
+        result += np.einsum("kij,kj->ki", of_b, still[bodies.block_b])
         return result
 
-    def _arms(self, block: Ints) -> Floats:
-        """(k, 3) from the centroid of a block of each corner to the corner, by its radius."""
-        arm: Floats = self.placed.point - self.pose.place[block]
-        return arm / self.bodies.radius[block, None]
+    def _arms(self) -> Floats:
+        """(2, k, 3) from the centroids of both blocks to the corner, by the radii of the blocks."""
+        both = self.bodies.both
+        place = self.pose.place.take(both, axis=0).reshape(2, -1, 3)
+        arm: Floats = self.placed.point - place
+        return arm / self.bodies.radius.take(both).reshape(2, -1, 1)
 
 
 class _Balance(Equation[Increment, tuple[Floats, float]]):
@@ -270,7 +271,7 @@ def travelled(gone: Floats, turn: Floats, radius: Floats, size: Floats) -> Float
     """Displacement (f,) by the size, from translations (f, 3) and rotations (f, 3, 3) by radius."""
     way = lengths(gone)
     # |R - 1| = 2 sqrt(2) sin(angle / 2); the trace of R would lose half of the digits
-    off = turn - np.eye(3)
+    off = turn - UNTURNED
     half = lengths(off.reshape(-1, 9)) / np.sqrt(8.0)
     turned = 2.0 * np.arcsin(np.minimum(half, 1.0))
     return (way + turned * radius) / size

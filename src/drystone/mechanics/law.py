@@ -149,11 +149,11 @@ class StickSlip:
         size = np.sqrt(square[0] + square[1])
         bound = self.bound(normal)
         slips = size > bound
-        size = np.where(size > 0.0, size, 1.0)
-        ratio = np.where(slips, bound / size, 1.0)
+        ratio = np.ones(len(size))
+        np.divide(bound, size, out=ratio, where=slips)
 
         def slope() -> tuple[Floats, Floats]:
-            way, secant = trial / size, self.stiffness * ratio
+            way, secant = trial / np.where(size > 0.0, size, 1.0), self.stiffness * ratio
             growth = slips * self.bound.growth(normal)
             return _across(secant, secant * slips, *way), (growth * way).T
 
@@ -278,10 +278,13 @@ class ContactResponse:
         return self._tangent(0.5 - 0.5 * self.gap / np.hypot(self.gap, width))
 
     def _tangent(self, pressed: Floats | Bools) -> Floats:
-        apart = 1.0 - pressed
-        bearing = pressed * self._press + apart * self._pull
+        bearing = pressed * self._press
         out = np.empty((3, 3, *bearing.shape))  # the numbers of many corners lie side by side
-        out[0, 0] = bearing + apart * self._glue
+        out[0, 0] = bearing
+        if self._pull is not _NOTHING or self._glue is not _NOTHING:
+            apart = 1.0 - pressed
+            bearing += apart * self._pull
+            np.add(bearing, apart * self._glue, out=out[0, 0])
         out[0, 1:] = 0.0
         by_slide, by_normal = self._friction.slope()
         np.multiply(-by_normal.T, bearing, out=out[1:, 0])

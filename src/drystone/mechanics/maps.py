@@ -214,7 +214,7 @@ def corner_rows(axes: Floats, arm: Floats) -> Floats:
     """
     out = np.empty((*arm.shape, 6))
     out[..., :3] = axes
-    out[..., 3:] = cross(arm[..., None, :], axes)
+    cross(arm[..., None, :], axes, out[..., 3:])
     return out
 
 
