@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -79,8 +79,7 @@ class Courses:
         """Function from (share of the length along u, v) to u."""
         from scipy.interpolate import RegularGridInterpolator  # slow to import
 
-        u, v = np.linspace(0.0, 1.0, SAMPLES), np.linspace(0.0, 1.0, _TABLE_V)
-        points = self.patch.point(u[:, None], v[None, :])
+        u, v, points = _table(self.patch)
         length = arc_lengths(points)
         share = length / length[-1]
         table = np.stack([np.interp(u, share[:, j], u) for j in range(_TABLE_V)], axis=1)
@@ -96,6 +95,13 @@ class Courses:
         lines = self.line(v)
         share = 0.5 * (lines[:, course] + lines[:, course + 1])
         return self.patch.point(self.parameter(share, v), v)
+
+
+@lru_cache(maxsize=4)
+def _table(patch: Patch) -> tuple[Floats, Floats, Floats]:
+    """Samples along u and v, and the points (p, q, 3) [m] there; courses are laid several times."""
+    u, v = np.linspace(0.0, 1.0, SAMPLES), np.linspace(0.0, 1.0, _TABLE_V)
+    return u, v, patch.point(u[:, None], v[None, :])
 
 
 def lay_courses(
@@ -130,8 +136,7 @@ def lay_courses(
     where = f"patch '{patch.name}'"
     if sum(value is not None for value in (count, height, heights)) != 1:
         raise InputError("give one of count, height and heights", where=where)
-    v = np.linspace(0.0, 1.0, _TABLE_V)
-    points = patch.point(np.linspace(0.0, 1.0, SAMPLES)[:, None], v[None, :])
+    _, v, points = _table(patch)
     length = arc_lengths(points)[-1]
     if heights is not None:
         relative = np.atleast_1d(numbers(heights, "heights of courses", where)).ravel()

@@ -28,6 +28,9 @@ STEP = 2e-3
 """Parameter step of the five-point derivative, chosen: truncation and rounding both below 1e-10 on
 the analytic families."""
 
+PARTS = 64
+"""Along u and v for areas and volumes. Chosen: the error for a dome is 1e-4."""
+
 SAMPLES = 33
 """Along u and v when a patch is checked for folds, and its sides for crossings. Chosen: finer than
 any course."""
@@ -155,18 +158,27 @@ class Patch(OneLine):
         points = self.point(*np.meshgrid(grid, grid, indexing="ij")).reshape(-1, 3)
         return float(np.linalg.norm(np.ptp(points, axis=0)))
 
+    @cached_property
+    def parts(self) -> tuple[Floats, Floats, tuple[Floats, Floats]]:
+        """Middles (p, 1) and (1, p) in u and v of small parts, and the tangents (p, p, 3) there."""
+        grid = (np.arange(PARTS) + 0.5) / PARTS
+        u, v = grid[:, None], grid[None, :]
+        return u, v, self.tangents(u, v)
+
     def border(self, side: Side, along: Any) -> Floats:
         """Points (k, 3) [m] at the positions ``along`` (k,) of a side."""
         return self.point(*side.parameters(np.asarray(along, dtype=np.float64)))
 
 
-def curvatures(patch: Patch, u: Any, v: Any) -> Floats:
+def curvatures(
+    patch: Patch, u: Any, v: Any, tangents: tuple[Floats, Floats] | None = None
+) -> Floats:
     """Principal curvatures (..., 2) [1/m], positive where the surface bends away from its normal.
 
     They are the eigenvalues of the Weingarten map, the derivative of the unit normal in the tangent
     plane. Source: do Carmo 1976, section 3-3.
     """
-    (E, F, G), (e, f, g) = _forms(patch, u, v)
+    (E, F, G), (e, f, g) = _forms(patch, u, v, tangents)
     determinant = E * G - F * F
     mean = (e * G - 2.0 * f * F + g * E) / (2.0 * determinant)
     gauss = (e * g - f * f) / determinant
@@ -180,15 +192,17 @@ def line_curvatures(patch: Patch, u: Any, v: Any) -> tuple[Floats, Floats]:
     return e / E, g / G
 
 
-def _forms(patch: Patch, u: Any, v: Any) -> tuple[tuple[Floats, ...], tuple[Floats, ...]]:
-    """First and second fundamental form: E, F, G and e, f, g."""
+def _forms(
+    patch: Patch, u: Any, v: Any, tangents: tuple[Floats, Floats] | None = None
+) -> tuple[tuple[Floats, ...], tuple[Floats, ...]]:
+    """First and second fundamental form: E, F, G and e, f, g; ``tangents`` if they are known."""
     u, v = np.broadcast_arrays(np.asarray(u, dtype=np.float64), np.asarray(v, np.float64))
     step = STEP
     low_u, high_u = np.clip(u - step, 0.0, 1.0), np.clip(u + step, 0.0, 1.0)
     low_v, high_v = (v - step, v + step)
     if not patch.closed:
         low_v, high_v = np.clip(low_v, 0.0, 1.0), np.clip(high_v, 0.0, 1.0)
-    by_u, by_v = patch.tangents(u, v)
+    by_u, by_v = patch.tangents(u, v) if tangents is None else tangents
     du_n = (patch.normal(high_u, v) - patch.normal(low_u, v)) / (high_u - low_u)[..., None]
     dv_n = (patch.normal(u, high_v) - patch.normal(u, low_v)) / (high_v - low_v)[..., None]
 
