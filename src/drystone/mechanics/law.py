@@ -149,11 +149,11 @@ class StickSlip:
         size = np.sqrt(square[0] + square[1])
         bound = self.bound(normal)
         slips = size > bound
-        ratio = np.ones(len(size))
-        np.divide(bound, size, out=ratio, where=slips)
+        size = np.where(size > 0.0, size, 1.0)
+        ratio = np.where(slips, bound / size, 1.0)
 
         def slope() -> tuple[Floats, Floats]:
-            way, secant = trial / np.where(size > 0.0, size, 1.0), self.stiffness * ratio
+            way, secant = trial / size, self.stiffness * ratio
             growth = slips * self.bound.growth(normal)
             return _across(secant, secant * slips, *way), (growth * way).T
 
