@@ -14,7 +14,7 @@ import shapely
 
 from drystone.answer import Layer, LayerKind
 from drystone.assembly import Assembly, Block
-from drystone.base.arrays import SAME, Floats, Ints, frozen, lengths
+from drystone.base.arrays import SAME, Floats, Ints, frozen, lengths, unit
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
 from drystone.base.units import quantity
@@ -405,14 +405,19 @@ def carries(model: Model, block: int, force: Floats) -> bool:
     return bool(-force @ load > np.sqrt(0.5) * np.linalg.norm(force) * np.linalg.norm(load))
 
 
+_TOP = 0.6
+"""A weight lies on a face whose normal rises by more than this share of it: up to 53 degrees steep,
+as haunches below their backing. Chosen."""
+
+
 def tops_of(model: Model, blocks: Sequence[int]) -> dict[int, Floats]:
     """Where weights can lie on blocks: the middles (3,) [m] of their largest free tops, if any."""
-    tops: dict[int, Floats] = {}
+    up, tops = -unit(model.load.wrench[:, :3])[0], dict[int, Floats]()
     for i in blocks:
         parts = [
             part
             for part in free_parts(model, i)
-            if carries(model, i, part.normal) and not _pressed(model, part)
+            if part.normal @ up[i] > _TOP and not _pressed(model, part)
         ]
         largest = max(parts, key=lambda part: part.area, default=None)
         if largest and largest.area >= (0.5 * PLATE * model.assembly.size[i]) ** 2:

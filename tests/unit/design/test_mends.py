@@ -438,6 +438,12 @@ def test_a_corbel_is_held_by_a_weight_on_its_tail_or_a_dowel_through_the_stone_b
     assert (dowel.change.joints, dowel.change.cost) == (2, 4.0)
 
 
+def test_the_haunches_of_a_thin_arch_are_weighted_though_they_slope_by_45_degrees() -> None:
+    model = Model.of(arch(0.08, 6), friction=0.84)
+    (found,) = find_mends(model, options=MendOptions(kinds=("ballast",))).mends
+    assert "on each of 'voussoir-01' and 'voussoir-04'" in found.words
+
+
 def test_mends_come_before_reasons_and_what_failed_is_one_line(fallen: Mends) -> None:
     said = [one.text for one in fallen.sentences()]
     rows = [k for k, one in enumerate(said) if one.startswith("mend ")]
