@@ -442,7 +442,7 @@ class LoadCase(OneLine):
         )  # fmt: skip
 
     def without(self, some: Sequence[GivenLoad]) -> LoadCase:
-        """Without some of the loads of :attr:`each`."""
+        """Without some of the loads of ``each``."""
         wrench = sum((-one.on(len(self.wrench))["wrench"] for one in some), self.wrench)
         names = {one.words for one in some}
         name = " + ".join(part for part in self.name.split(" + ") if part not in names)
