@@ -23,10 +23,11 @@ from drystone.formulations.equilibrium import FactorSolution
 from drystone.geometry.frames import LEVEL_AXES, axis_vector
 from drystone.io.load_options import grown
 from drystone.io.opening import Given, LongHow, supported_model
-from drystone.limits.bounds import friction_bound, load_factor_bound, tilt_bound, tilt_factor
+from drystone.limits.bounds import friction_bound, load_factor_bound, rbe, tilt_bound, tilt_factor
 from drystone.limits.inside import MANY, Means, bisected, searched, stands_up_to
 from drystone.limits.limit_answer import Limit
 from drystone.limits.limit_types import (
+    STANDS,
     Check,
     Friction,
     LimitOptions,
@@ -102,14 +103,18 @@ def limit_tilt(
         rest = one_stiffness(model, stop=means.clock.late)
     if asks and model.contacts.corner_count <= MANY:
         means.tell("limit of equilibrium", 0)
-        # the second is asked up to the first only, which is that across the narrow side
+        # first that across the narrow side; of the other only whether it is more, where it is
         wide = np.ptp(model.assembly.bounds.reshape(-1, 3), axis=0)
-        enough = np.inf
-        for one in families[::2] if wide[1] <= wide[0] else families[2::-2]:
-            known[one] = tilt_factor(one, means.options.cone, means.clock.late, enough)
-            enough = max(known[one].factor, 0.0)
-        about_x, about_y = (known[one].factor for one in families[::2])
-        if about_y < (1.0 - _SHARE) * about_x:
+        narrow, other = families[::2] if wide[1] <= wide[0] else families[2::-2]
+        cone, late = means.options.cone, means.clock.late
+        known[narrow] = tilt_factor(narrow, cone, late)
+        enough = max(known[narrow].factor, 0.0)
+        alike = 1.0 - _SHARE if other is families[2] else 1.0 / (1.0 - _SHARE)
+        more = rbe(cone, late, other(np.degrees(np.arctan(alike * enough))))
+        if not STANDS[more.verdict]:
+            known[other] = tilt_factor(other, cone, late, enough)
+        x, y = (known[one].factor if one in known else np.inf for one in families[::2])
+        if y < (1.0 - _SHARE) * x:
             families = families[2:] + families[:2]
     first, *others = families
     limit = tilt_limit(first, upper, means, known.get(first), rest)
