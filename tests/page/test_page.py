@@ -25,6 +25,13 @@ from drystone.sequence import PlanOptions, Robot, Rules
 from drystone.view import save_page
 from tests.page.browser import PATIENCE, Browser, Tab
 
+PICTURES = """
+const own = WebGL2RenderingContext.prototype.clear;
+window.begun = 0;
+WebGL2RenderingContext.prototype.clear = function (...given) {
+  window.begun += 1;
+  own.apply(this, given);
+};"""
 EVIL = "</script><img src=x onerror=\"alert('x')\"><b>&amp;"
 
 
@@ -437,7 +444,8 @@ def test_the_model_fills_the_view(opened):
 
 
 def test_what_falls_and_the_help_that_it_needs_are_inside_the_view(opened):
-    tab = opened(drystone.check(arch(0.2, 8), friction=0.2), size=(900, 600))
+    tab = opened(drystone.check(arch(0.2, 8), friction=0.2), size=(900, 600), before=PICTURES)
+    assert tab.run("begun") == 1  # a page opens with one picture
     tab.run("document.querySelector('[data-layer=ground]').click()")
     tab.frames(3)
     assert tab.run("document.querySelector('[data-layer=help]') !== null")

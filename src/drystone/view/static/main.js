@@ -82,7 +82,10 @@ function connect() {
     if (canvas.clientWidth > 0 && !camera.flight) refit();
     redraw();
   };
-  new ResizeObserver(resized).observe(canvas);
+  new ResizeObserver(() => { // also told of the size that a page opens with
+    const { width, height } = viewNow();
+    if (!pictures || canvas.width !== width || canvas.height !== height) resized();
+  }).observe(canvas);
   window.addEventListener("resize", resized); // a new pixel ratio; before the frame is drawn, the observer is after it
   window.addEventListener("hashchange", () => readView(location.hash.slice(1)));
   for (const one of [darkness, forcing]) one.addEventListener("change", refreshPanels);

@@ -50,7 +50,8 @@ function redraw(moving = false) {
   const asked = performance.now();
   requestAnimationFrame((now) => {
     waiting = false;
-    if (performance.now() - asked > SLOW || (moves && cost > SMOOTH)) hurried = true;
+    const slow = performance.now() - asked > SLOW && (pictures || data.count >= MANY); // a page opens slowly
+    if (slow || (moves && cost > SMOOTH)) hurried = true;
     moves = sharp = false;
     advance(now);
     if (camera.advance(now)) redraw(true);
