@@ -59,6 +59,8 @@ class Browser:
                 "--disable-gpu", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
                 "--no-first-run", "--disable-extensions", "--disable-background-networking",
                 "--disable-dev-shm-usage", "--hide-scrollbars", f"--user-data-dir={folder}",
+                # one process draws all tabs: to start another one is slow
+                "--disable-site-isolation-trials", "--renderer-process-limit=1",
                 "about:blank",
             ],
             pass_fds=(read_end, write_end), stdin=subprocess.DEVNULL,
