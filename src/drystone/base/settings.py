@@ -102,7 +102,8 @@ class MayStop:
 class Clock:
     """Time since the start, the limit, and the caller's request to stop; once late, always late.
 
-    ``progress`` is what :meth:`tell` calls, ``workers`` the executor or what starts one.
+    ``progress`` is what :meth:`tell` calls, ``workers`` the executor or what starts one. Where the
+    request is that of another clock, its reason is taken over.
     """
 
     def __init__(
@@ -162,7 +163,8 @@ class Clock:
         """Whether to stop now with the results so far; ``reason`` then says why."""
         if not self.reason:
             if self.wish is not None and self.wish():
-                self.reason = "it was interrupted"
+                whole = getattr(self.wish, "__self__", None)
+                self.reason = whole.reason if isinstance(whole, Clock) else "it was interrupted"
             elif self.elapsed_s > self.limit_s:
                 self.reason = "the time was up"
         return bool(self.reason)

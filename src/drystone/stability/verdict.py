@@ -476,9 +476,6 @@ def _followed(asked: Asked, pool: WorkerPool, uniform: Candidate, spread: Model 
     settles = hardly or not uniform.stands
     if settles:  # otherwise this was asked of the rest state
         found = _with_spread_points(asked, found, options)
-    if found.stopped:  # by the clock of the check, which knows why
-        message = found.message.replace(found.stopped, clock.reason)
-        found = replace(found, message=message, stopped=clock.reason)
     asked.steps += found.iterations
     if not uniform.stands:
         light &= uniform.falling is None

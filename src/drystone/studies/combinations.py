@@ -54,7 +54,8 @@ class Combinations(Answer):
     each
         The combinations.
     results
-        Of each the verdict, with friction and strength divided.
+        Of each the verdict, with friction and strength divided; of the first ones only where the
+        work was stopped.
     needs
         Of each the least shares of the size of the joints and of their friction, as far as asked,
         at which some forces balance the loads, brittle joints cracked; NaN where it does not stand,
@@ -99,18 +100,25 @@ class Combinations(Answer):
     @property
     def title(self) -> str:
         """In how many it stands."""
-        fallen = sum(not one.stable for one in self.results)
-        count = counted(len(self.results), "combination")
+        fallen, count = self._fallen, counted(len(self.each), "combination")
+        if self.stopped:
+            some = f"the first {len(self.results)} of {count}"
+            return f"Does not stand in {fallen} of {some}" if fallen else f"Stands in {some}"
         if not fallen:
-            return f"Stands in {'' if len(self.results) == 1 else 'all '}{count}"
+            return f"Stands in {'' if len(self.each) == 1 else 'all '}{count}"
         return f"Does not stand in {fallen} of {count}"
+
+    @property
+    def _fallen(self) -> int:
+        return sum(not one.stable for one in self.results)
 
     def sentences(self) -> Sequence[Sentence]:
         """The same, the combination that governs, and what it needs."""
         one, share = self.each[self.governs], self.needed[self.governs]
-        fallen = sum(not one.stable for one in self.results)
-        said = [Sentence(self.title, Role.BAD if fallen or self.stopped else Role.GOOD)]
-        said.append(Sentence(f"governs: {one.situation.name}: {one.words}"))
+        role = Role.BAD if self._fallen else Role.UNSURE if self.stopped else Role.GOOD
+        said = [Sentence(self.title, role)]
+        among = " of these" if self.stopped else ""
+        said.append(Sentence(f"governs{among}: {one.situation.name}: {one.words}"))
         said.append(Sentence(f"there: {self.governing.title}"))
         carried = self.carries[self.governs]
         if carried > 0.0:
@@ -189,6 +197,7 @@ class Combinations(Answer):
             "sha256": self.sha256,
             "standing": sum(one.stable for one in self.results),
             "checked": len(self.results),
+            "combinations": len(self.each),
             "governing": self.each[self.governs].words,
             "situation": self.each[self.governs].situation.name,
             "source": self.each[self.governs].situation.source,
@@ -251,7 +260,7 @@ def combinations(
     results, shares, carries = zip(*found, strict=True)
     needs = dict(zip(asked, zip(*shares, strict=True), strict=True)) if asked else {}
     return Combinations(
-        model, str(file), digest(file), tuple(each[: len(results)]), results, needs,
+        model, str(file), digest(file), tuple(each), results, needs,
         carries, stopped=clock.reason if len(results) < len(each) else "",
     )  # fmt: skip
 

@@ -9,6 +9,8 @@ import pytest
 
 import drystone
 from drystone import DrystoneError, JointCapacity, LoadCase, Model
+from drystone.answer import Role
+from drystone.base.settings import Clock
 from drystone.cli import main
 from drystone.io.opening import as_model
 from drystone.models import box, segmental_bridge, tower
@@ -63,6 +65,31 @@ def test_the_summary_of_a_report_names_the_combination_that_governs(tmp_path: Pa
     found = combinations(STACK, path)
     (told,) = [x for x in document_of([found], TitleBlock()).sections[0].parts if "Does" in str(x)]
     assert "governs: EQU: 0.9 weight + 1.5 push. there: " in str(told)
+
+
+@pytest.mark.parametrize("first", [6000, 15000])
+def test_what_is_stopped_speaks_of_no_more_than_it_checked(first: float, tmp_path: Path) -> None:
+    """Of eight combinations the second is not asked; a limit of time is told as one."""
+    path = written(tmp_path, 'situations = ["EQU", "STR"]', WEIGHT, PUSH.format(first))
+    whole = Clock(60.0)
+
+    def spend(stage: str, done: int, total: int) -> None:
+        whole.limit_s = 0.0 if done == 2 else 60.0
+
+    found = combinations(STACK, path, needed_of="none", stop=whole.late, progress=spend)
+    fallen = sum(not one.stable for one in found.results)
+    said = [one.text for one in found.sentences()]
+    assert said[0] == (
+        f"Does not stand in {fallen} of the first 2 of 8 combinations"
+        if fallen
+        else "Stands in the first 2 of 8 combinations"
+    )
+    assert said[1].startswith("governs of these: EQU: ")
+    assert said[-1] == "not finished: the time was up"
+    assert (found.code, found.news) == (1, Role.BAD if fallen else Role.UNSURE)
+    assert (found.numbers()["checked"], found.numbers()["combinations"]) == (2, 8)
+    parts = str(document_of([found], TitleBlock()).sections[0].parts)
+    assert said[0] in parts
 
 
 @pytest.mark.parametrize("apart", [False, True])
