@@ -184,6 +184,6 @@ def test_places_far_from_the_origin_are_told_to_the_millimetre() -> None:
 
 def test_words_on_paper_have_more_room_than_names() -> None:
     factors = "1.35 tail + 1.35 beam + 0.9 head + 1.5 live + 0.75 snow + 0.9 wind"
-    table = Table("combinations", {"block": ["stone" * 20], "factors": [factors]})
+    table = Table("combinations", {"block": ["stone of stone " * 7], "factors": [factors]})
     ((name, told),) = table.printed()[1]
     assert (len(name), told) == (60, factors)

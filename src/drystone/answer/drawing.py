@@ -10,7 +10,7 @@ import numpy as np
 from drystone.answer.question import Question, directions
 from drystone.answer.scene import Layer, LayerKind, MarkerShape, Scene, SceneStage, State
 from drystone.assembly import Assembly
-from drystone.base.arrays import Bools, Floats, Ints, dot, lengths
+from drystone.base.arrays import ROUNDING, Bools, Floats, Ints, dot, lengths
 from drystone.base.errors import counted
 from drystone.base.units import quantity
 from drystone.checks import block_speed
@@ -114,6 +114,8 @@ def load_layers(assembly: Assembly, load: LoadCase) -> tuple[Layer, ...]:
     turns = np.zeros_like(load.wrench)  # as given: beside a force they would only shift its line
     for one in load.each:
         np.add.at(turns, one.block, one.wrench * ~one.wrench[:, :3].any(axis=1, keepdims=True))
+    least = ROUNDING * np.abs(load.wrench[:, :3]).max(initial=0.0) * assembly.size
+    turns[np.abs(turns[:, 3:]).max(axis=1) <= least] = 0.0
     on_faces = 0.0 if load.surface is None else load.surface.wrench
     alone = replace(load, wrench=load.wrench - on_faces - turns)
     applied, turning = (applied_loads(assembly, x) for x in (alone, LoadCase(turns)))

@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 
 SHOWN = 30
 """Largest number of rows in a notebook. Chosen: one screen."""
+_WORDS = ("load", "factors")
+"""Columns of words, not of names."""
 _PREFIXED = ("N", "N m", "Pa", "m")
 """Units that are shown with a prefix in each cell."""
 
@@ -129,8 +131,8 @@ class Table(OneLine):
     def printed(self) -> tuple[list[str], list[list[str]]]:
         """Headings and rows for paper: words have more room than names."""
         heads, rows = self.cells()
-        room = [[(8 if " " in one else 1) * NAME for one in row] for row in rows]
-        return heads, [list(map(shortened, *each)) for each in zip(rows, room, strict=True)]
+        most = [8 * NAME if name in _WORDS else NAME for name in heads]
+        return heads, [list(map(shortened, row, most)) for row in rows]
 
     def _flat(self) -> dict[str, np.ndarray]:
         """The columns; of vectors one for each axis, its unit with it."""

@@ -23,12 +23,12 @@ from drystone.base.workers import WorkerPool
 from drystone.io.opening import Given, LongHow, supported_model
 from drystone.limits.bounds import Crossing, Known, PlacedTrain, factor_of
 from drystone.limits.limit_answer import Limit
-from drystone.limits.limit_types import LimitOptions
+from drystone.limits.limit_types import LimitOptions, verdict
 from drystone.limits.limits import limit_load
 from drystone.loads import Fill, LoadCase, Train
 from drystone.loads.fill import Tops
 from drystone.model import Model
-from drystone.results import Result
+from drystone.results import Result, Verdict
 from drystone.stability.problem import Problem
 
 _MENDED = "drystone mend with this --train, and the fill as --load, asks each mend of all places"
@@ -46,8 +46,8 @@ class TrainEnvelope(Answer):
         By equilibrium, with joints that are ductile: NaN where none was found, infinite where
         nothing ends it, minus infinity where no factor is balanced.
     limit
-        That of the full verdict at the worst place; ``None`` where fill resists, of which no
-        verdict knows.
+        That of the full verdict at the worst place, under which it stands with the train at all
+        others too; ``None`` where fill resists, of which no verdict knows.
     asked_for
         Number of places, without those between.
     stopped
@@ -61,6 +61,8 @@ class TrainEnvelope(Answer):
     _crossing: Crossing
     _placed: tuple[PlacedTrain, ...]
     options: LimitOptions
+    _governs: int | None = None
+    _undecided: tuple[int, ...] = ()
 
     @property
     def train(self) -> Train:
@@ -86,13 +88,18 @@ class TrainEnvelope(Answer):
 
     @property
     def worst(self) -> int:
-        """The place with the least factor; of equal ones the first.
+        """The place with the least factor, by the verdict where that is known.
 
         Raises
         ------
         InputError
             No place is known.
         """
+        return self._by_equilibrium if self._governs is None else self._governs
+
+    @property
+    def _by_equilibrium(self) -> int:
+        """The place with the least factor by equilibrium; of equal ones the first."""
         if not len(self.places) or np.isnan(self.factors).all():
             raise InputError("no place is known", remedy="let the search go on")
         least = float(np.nanmin(self.factors))
@@ -119,8 +126,8 @@ class TrainEnvelope(Answer):
 
     @cached_property
     def proven(self) -> bool:
-        """Whether forces at the worst place, and a mechanism just beyond, were checked."""
-        one = self._placed[self.worst]
+        """Whether forces at the least factor, and a mechanism just beyond, were checked."""
+        one = self._placed[self._by_equilibrium]
         return self._crossing.result(one) is not None and self._crossing.falls(one)
 
     @property
@@ -209,8 +216,8 @@ class TrainEnvelope(Answer):
         if not factor > 0.0:
             return f"Forces balance no share of '{train}' at {at}"
         place = f"least{self._ductile} at {at}"
-        if self.limit is not None and self.limit.rest and self.limit.stands is not None:
-            factor = rounded_down(self.limit.stands)
+        if self._stands is not None:
+            factor = rounded_down(self._stands)
             if factor < 1.0:
                 return f"Does not carry '{train}', only {factor:g} of it, {place}"
             return f"Stands under '{train}' up to load factor {factor:g}, {place}"
@@ -222,6 +229,12 @@ class TrainEnvelope(Answer):
     @property
     def _ductile(self) -> str:
         return " with ductile joints" if self.model.contacts.brittle else ""
+
+    @property
+    def _stands(self) -> float | None:
+        """The factor up to which it stands wherever the train is; None where that is not known."""
+        rest = None if self.limit is None or self._undecided else self.limit.rest
+        return None if rest is None else rest.stands
 
     @property
     def carried(self) -> bool:
@@ -250,7 +263,7 @@ class TrainEnvelope(Answer):
             alone = f"no forces balance the bridge alone, as found at {known}; 'check' tells why"
             return [*said, Sentence(alone)]
         said += [self._of_width, self._of_place, *self._of_approaches]
-        least = float(self.factors[self.worst])
+        least = float(self.factors[self._by_equilibrium])
         factor = "any factor" if np.isinf(least) else f"{rounded_down(least):g} and more"
         said.append(
             Sentence(f"by equilibrium{self._ductile} at {known}{between}: {factor}; {checked}")
@@ -262,7 +275,8 @@ class TrainEnvelope(Answer):
             said.append(Sentence(why, Role.BAD))
         if self.train.line:
             said.append(self._of_line)
-        if self._ductile:
+        everywhere = self.limit is not None and self.limit.rest is not None and not self.stopped
+        if self._ductile and not everywhere:
             why = (
                 "mortar is brittle, and places are compared with ductile joints: only the "
                 "verdict knows brittle ones, and other places may carry less"
@@ -275,10 +289,15 @@ class TrainEnvelope(Answer):
             )
             said.append(Sentence(why, Role.REMARK))
         elif self.limit is not None:
-            why = (
-                f"the verdict was searched at {self._placed[self.worst].at.words} alone, the worst "
-                f"of {known} by equilibrium; by the verdict another may carry less"
-            )
+            at = self._placed[self.worst].at.words
+            why = f"the verdict was searched at {at} alone; by the verdict another may carry less"
+            if everywhere:
+                why = f"the verdict is least at {at} of {known}: at the others it stands under that"
+            if everywhere and self._undecided:
+                why = (
+                    f"the verdict was searched at {at}; at {len(self._undecided)} of {known} it is "
+                    "undecided under that factor, where 'check' tells why"
+                )
             said.append(Sentence(why))
             said += self.limit.sentences()[self.limit.stands is not None :]
         if not self.carried:
@@ -500,11 +519,11 @@ def limit_train(
     """The largest load factor of a train at every place on a bridge.
 
     One conic program at each place gives the largest factor that forces balance; at the worst place
-    the full verdict is searched as well. Where a mechanism of one place ends the train elsewhere
-    at less than the least factor, that place is tried as well, until this changes by less than
-    0.1 %. A line load acts on the stretches where it is adverse. Fill is added to the load,
-    spreads the axles, and resists what moves into it. A train that is not symmetric moves both
-    ways, and the lesser factor counts.
+    the full verdict is searched as well, and asked at all others. Where a mechanism of one place
+    ends the train elsewhere at less than the least factor, that place is tried as well, until this
+    changes by less than 0.1 %. A line load acts on the stretches where it is adverse. Fill is added
+    to the load, spreads the axles, and resists what moves into it. A train that is not symmetric
+    moves both ways, and the lesser factor counts.
 
     Parameters
     ----------
@@ -577,13 +596,40 @@ def limit_train(
     )
     if clock.late() or not found or len(crossing.resisted):
         return envelope
-    worst, factor = found[envelope.worst], float(envelope.factors[envelope.worst])
-    if envelope.falls_alone or not np.isfinite(factor):
+    if envelope.falls_alone or not np.isfinite(envelope.factors[envelope.worst]):
         return envelope
-    limit = limit_load(
-        model, worst.live, upper=max(2.0 * factor, 1e-3), options=chosen, stop=clock.late
-    )
-    return replace(envelope, limit=limit, stopped=clock.reason)
+    return _with_verdict(envelope, clock)
+
+
+def _with_verdict(envelope: TrainEnvelope, clock: Clock) -> TrainEnvelope:
+    """With the limit of the verdict at the place where that is least.
+
+    It is searched at the worst place by equilibrium, then where it does not stand under what was
+    found so far.
+    """
+    placed, model, at = envelope._placed, envelope.model, envelope.worst
+    upper, others = max(2.0 * float(envelope.factors[at]), 1e-3), list(range(len(placed)))
+    with WorkerPool(clock.workers) as pool:
+        while True:
+            limit = limit_load(
+                model, placed[at].live, upper=upper, options=envelope.options, stop=clock.late
+            )
+            envelope = replace(envelope, limit=limit, _governs=at, stopped=clock.reason)
+            upper = 0.0 if limit.rest is None else limit.rest.stands or 0.0
+            others.remove(at)
+            under = (model.with_load(model.load + upper * placed[i].live) for i in others)
+            each = list(pool.answers(_verdict, under, clock.late)) if upper else []
+            said = dict(zip(others, each, strict=False))
+            unknown = (i for i, one in said.items() if one is Verdict.UNDECIDED)
+            envelope = replace(envelope, _undecided=tuple(unknown), stopped=clock.reason)
+            others = [i for i, one in said.items() if one is Verdict.UNSTABLE]
+            if not others or clock.late():
+                return envelope
+            at = min(others, key=lambda i: factor_of(placed[i]))
+
+
+def _verdict(model: Model) -> Verdict:
+    return verdict(model).verdict
 
 
 def _placed(

@@ -81,6 +81,9 @@ def test_a_moment_is_drawn_beside_a_force_on_the_same_block() -> None:
     load += LoadCase.point_load(assembly, 1, (0.0, 0.0, -1000.0))
     drawn = {one.key: one for one in load_layers(assembly, load)}
     assert drawn["moments"].label == "moments, up to 800 N m"
+    load += LoadCase.moment(assembly, 0, (1e-27, 0.0, 0.0))  # rounding, as of fill on a crown
+    rounded = {one.key: one for one in load_layers(assembly, load)}["moments"]
+    np.testing.assert_array_equal(rounded.position, drawn["moments"].position)
     assert drawn["loads"].position[0] == pytest.approx([*assembly.centroid[1, :2], 2.0])
 
 
