@@ -76,12 +76,12 @@ def test_a_force_ends_where_its_line_enters_the_block(loaded: drystone.Result) -
 
 def test_a_moment_is_drawn_beside_a_force_on_the_same_block() -> None:
     """Together they are a force 0.8 m beside the block."""
-    assembly = tower(2)
+    assembly = tower(3)
     load = LoadCase.gravity(assembly) + LoadCase.moment(assembly, 1, (800.0, 0.0, 0.0))
     load += LoadCase.point_load(assembly, 1, (0.0, 0.0, -1000.0))
     drawn = {one.key: one for one in load_layers(assembly, load)}
     assert drawn["moments"].label == "moments, up to 800 N m"
-    load += LoadCase.moment(assembly, 0, (1e-27, 0.0, 0.0))  # rounding, as of fill on a crown
+    load += LoadCase.moment(assembly, 2, (1e-27, 0.0, 0.0))  # rounding, as of fill on a crown
     rounded = {one.key: one for one in load_layers(assembly, load)}["moments"]
     np.testing.assert_array_equal(rounded.position, drawn["moments"].position)
     assert drawn["loads"].position[0] == pytest.approx([*assembly.centroid[1, :2], 2.0])
