@@ -186,7 +186,7 @@ class Limit(LimitValues, Answer):
         if self.best.falls == self.start:
             return f"Falls at {start}, where the search starts: change the model to stand there"
         tried = f"Stands at no {self.quantity.words} that was tried"
-        return tried if self._known else "Nothing is known yet"
+        return tried if self._known else "No verdict is known yet"
 
     @property
     def _below_given(self) -> bool:

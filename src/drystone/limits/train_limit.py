@@ -302,6 +302,8 @@ class TrainEnvelope(Answer):
             said += self.limit.sentences()[self.limit.stands is not None :]
         if not self.carried:
             said.append(Sentence(f"what would carry the train: {_MENDED}"))
+        if self.limit is not None and self.limit.stopped:
+            return said  # which says so
         every = counted(max(self.asked_for, len(self.places)), "place")
         return said + self._unfinished(f" after {len(self.places)} of {every}")
 

@@ -714,7 +714,7 @@ def test_a_search_of_a_large_model_that_is_stopped_says_what_it_knows() -> None:
     assert found.rest is not None
     assert found.falls is None
     nothing = limit_tilt(tower(2), stop=lambda: True)
-    assert nothing.title == "Nothing is known yet"
+    assert nothing.title == "No verdict is known yet"
     assert nothing.sentences()[0].role is Role.UNSURE
 
 

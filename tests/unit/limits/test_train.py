@@ -347,6 +347,19 @@ def test_what_carries_much_more_is_no_part_of_the_lines_of_the_chart(bridge: Mod
     assert sum(len(one.x) for one in marks[:-1]) < len(found.places)
 
 
+def test_a_verdict_that_is_stopped_is_not_known_while_the_factor_of_forces_is(
+    bridge: Model,
+) -> None:
+    quick = LimitOptions(equilibrium_only=True)
+    found = limit_train(bridge, train=AXLE, steps=1, options=quick)
+    late = limit_load(bridge, found.live(0.0), time_limit_s=0.0)
+    told = replace(found, limit=late, stopped=late.stopped).sentences()
+    said = [one.text for one in told]
+    assert (said[0].startswith("Forces balance"), told[0].role) == (True, Role.BAD)
+    assert "No verdict is known yet" in said
+    assert [one for one in said if "not finished" in one] == ["not finished: the time was up"]
+
+
 def test_a_bridge_that_falls_alone_carries_no_train_anywhere() -> None:
     model = Model.of(segmental_bridge(voussoirs=8), friction=0.05)
     found = limit_train(model, train=Train.named("lm1"), steps=3)
