@@ -108,7 +108,7 @@ def limit_tilt(
         narrow, other = families[::2] if wide[1] <= wide[0] else families[2::-2]
         cone, late = means.options.cone, means.clock.late
         known[narrow] = tilt_factor(narrow, cone, late)
-        enough = max(known[narrow].factor, 0.0)
+        enough = max(0.0, known[narrow].factor)  # and 0 where it is NaN, not known
         alike = 1.0 - _SHARE if other is families[2] else 1.0 / (1.0 - _SHARE)
         more = rbe(cone, late, other(np.degrees(np.arctan(alike * enough))))
         if not STANDS[more.verdict]:
