@@ -586,6 +586,7 @@ def limit_train(
     reach = 0.5 * carried.length
     places = low - reach + share * (high - low + 2.0 * reach)
     found = _placed(crossing, places.tolist(), clock)
+    late = clock.late()
     envelope = TrainEnvelope(
         np.array([one.at.place for one in found]),
         np.array([one.found.factor for one in found]),
@@ -596,7 +597,7 @@ def limit_train(
         chosen,
         stopped=clock.reason,
     )
-    if clock.late() or not found or len(crossing.resisted):
+    if late or not found or len(crossing.resisted):
         return envelope
     if envelope.falls_alone or not np.isfinite(envelope.factors[envelope.worst]):
         return envelope

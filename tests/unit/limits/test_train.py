@@ -3,6 +3,7 @@
 import re
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from itertools import count
 from pathlib import Path
 from typing import Literal
 
@@ -351,13 +352,22 @@ def test_a_verdict_that_is_stopped_is_not_known_while_the_factor_of_forces_is(
     bridge: Model,
 ) -> None:
     quick = LimitOptions(equilibrium_only=True)
-    found = limit_train(bridge, train=AXLE, steps=1, options=quick)
+    found = limit_train(bridge, train=AXLE, steps=2, options=quick)
     late = limit_load(bridge, found.live(0.0), time_limit_s=0.0)
     told = replace(found, limit=late, stopped=late.stopped).sentences()
     said = [one.text for one in told]
     assert (said[0].startswith("Forces balance"), told[0].role) == (True, Role.BAD)
     assert "No verdict is known yet" in said
     assert [one for one in said if "not finished" in one] == ["not finished: the time was up"]
+
+
+@pytest.mark.parametrize("last", [1, 2, 3])
+def test_whenever_a_search_is_stopped_it_says_so(bridge: Model, last: int) -> None:
+    """Before the place, beside it, and before a verdict."""
+    asked = count(1)
+    found = limit_train(bridge, train=AXLE, steps=1, stop=lambda: next(asked) >= last)
+    assert found.limit is None
+    assert found.stopped == "it was interrupted"
 
 
 def test_a_bridge_that_falls_alone_carries_no_train_anywhere() -> None:
