@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from drystone.base import units
 from drystone.base.errors import InputError, MissingDependency, counted
 from drystone.cli import families, kinds, offered
-from drystone.cli.check_command import solve
+from drystone.cli.check_command import safe, solve
 from drystone.cli.command import command
 from drystone.cli.kinds import output_path
 from drystone.cli.offered import OUTPUT, Argument, Option
@@ -144,7 +144,7 @@ def demo(
     assembly = vault()
     waiting.stage("detect", "finding contacts")
     model = Model.of(assembly, friction=friction)
-    result = solve(model, waiting, None)
+    result = safe(solve(model, waiting, None), waiting)
 
     def files() -> Files:
         return [(model_path, partial(io.write, model)), *Pictures(page, figure).of(result)[0]], []

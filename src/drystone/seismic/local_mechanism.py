@@ -270,6 +270,9 @@ class LocalMechanism(Answer):
         return (
             Layer("line", "turns about this line", LayerKind.LINES, "hinge", line[0][None],
                   line[1][None], width=4.0, group="hinges"),
+            Layer("hinges", "its ends", LayerKind.MARKERS, "hinge",
+                  line[0] + np.array([[0.0], [1.0]]) * line[1],
+                  group="hinges"),
         )  # fmt: skip
 
     def chart(self) -> Chart:

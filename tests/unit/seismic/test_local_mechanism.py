@@ -109,8 +109,9 @@ def test_a_roof_holds_by_its_weight_pushes_by_its_thrust_and_shakes_if_asked() -
     every = {one.title: one for one in found.tables()}["weights that move"]
     assert every["P_d"][-1] == pytest.approx(weight / 2.0 + roof)
     assert next(answer_pictures(found)).caption == "Capacity curve"
-    (line,) = [one for one in found.layers().stages[0].layers if one.key == "line"]
+    line, ends = [one for one in found.layers().stages[0].layers if one.group == "hinges"]
     assert line.position[0] == pytest.approx((0.4, 0.0, 0.0))
+    assert ends.position == pytest.approx(np.array([(0.4, 0.0, 0.0), (0.4, 2.0, 0.0)]))
     moved = weight * 1.5 + roof * 3.0
     share = moved**2 / ((weight + roof) * (weight * 1.5**2 + roof * 3.0**2))
     assert found.oscillator.share == pytest.approx(share)
