@@ -372,14 +372,26 @@ def local_mechanism(
         if (model.contacts.crushes & ~model.contacts.ties).any():
             what = "is of rigid bodies that do not crush"
             raise InputError(what, where="part", remedy="leave the strength or the part out")
-        return LocalMechanism(
+        found = LocalMechanism(
             model, motion, turning.oscillator(), *turning.curve(), told, site, asked,
             remarks=(*remarks, *_above_ground(model, turning, site)), moments=turning.moments(),
         )  # fmt: skip
+        return replace(found, remarks=(*found.remarks, *_drawn_out(found, turning)))
     if line is not None:
         raise InputError("is for a part", where="line", remedy="name its blocks: --part")
     late: dict[str, Any] = {"progress": clock.progress, "stop": clock.late}
     return replace(_found(model, along, site, late), options=asked)
+
+
+def _drawn_out(found: LocalMechanism, turning: Turning) -> tuple[str, ...]:
+    """How far du* draws out a tie, of which the method asks nothing."""
+    if not turning.ties or not math.isfinite(found.ultimate):
+        return ()
+    name, far = turning.drawn_out(found.ultimate * found.oscillator.share)
+    return (
+        f"at du* the {name} is drawn out by {far:.2g} m, at its strength all the way: ask whether "
+        "a rod of its length, and its ends, bear that",
+    )
 
 
 def _above_ground(model: Model, turning: Turning, site: SeismicDemand | None) -> tuple[str, ...]:

@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 
 from drystone.answer.question import UP
 from drystone.assembly import Assembly
-from drystone.base.arrays import SAME, Bools, Floats, Ints, dot
+from drystone.base.arrays import SAME, Bools, Floats, Ints, dot, lengths
 from drystone.base.display import OneLine, named
 from drystone.base.errors import InputError, counted, located
 from drystone.base.ragged import linked
@@ -88,6 +88,8 @@ class Turning(OneLine):
         Of the earthquake, level.
     name, place, force : (f,), (f, 3) [m], (f, 3) [N]
         Forces that keep their direction, where they act on the part.
+    ties
+        How many of these forces, the last ones, are of ties.
     couple : (3,) [N m]
     mass_name, mass_place, weight : (p,), (p, 3) [m], (p,) [N]
         Masses that are shaken.
@@ -99,6 +101,7 @@ class Turning(OneLine):
     name: tuple[str, ...]
     place: Floats
     force: Floats
+    ties: int
     couple: Floats
     mass_name: tuple[str, ...]
     mass_place: Floats
@@ -130,6 +133,15 @@ class Turning(OneLine):
             return float("nan")
         end = int(after[0])
         return float(brentq(self.multiplier, steps[end - 1], steps[end], xtol=1e-12))
+
+    def drawn_out(self, moved: float) -> tuple[str, float]:
+        """The tie that is drawn out most where the weights have moved by [m], and how far [m]."""
+        angle = float(brentq(lambda one: self.moved(one) - moved, 0.0, self.overturned()))
+        pull, arms = self.force[-self.ties :], self.place[-self.ties :] - self.origin
+        away = arms @ rotation_about(self.axis, np.rad2deg(angle)).T - arms
+        out = -dot(away, pull) / lengths(pull)
+        most = int(out.argmax())
+        return self.name[len(self.name) - self.ties + most], float(out[most])
 
     def curve(self) -> tuple[Floats, Floats]:
         """Mean displacements [m] and multipliers, both (s,), until it overturns."""
@@ -295,7 +307,7 @@ def _about(
     shaken = ("own weight", *names[len(chosen) :])
     name = (*shaken, *loads, *(f"tie {one}" for one, *_ in pulls))
     turning = Turning(
-        origin, axis, along, name, np.vstack(place), np.vstack(force),
+        origin, axis, along, name, np.vstack(place), np.vstack(force), len(pulls),
         applied.moment[mine].sum(axis=0), shaken, masses, np.concatenate([[own.sum()], others]),
     )  # fmt: skip
     return turning, motion

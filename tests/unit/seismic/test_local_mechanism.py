@@ -8,6 +8,7 @@ import pytest
 
 import drystone
 from drystone import Assembly, DrystoneError, InputError, JointCapacity, LoadCase, Model
+from drystone.answer import Role
 from drystone.cli import main
 from drystone.models import arch, box
 from drystone.report.sketches import answer_pictures
@@ -170,6 +171,20 @@ def test_a_tie_holds_with_its_strength() -> None:
     asked = found.asked.facts()
     assert (asked["Load"], asked["Ties"]) == ("gravity", "wall-0:base 15 kN")
     assert drawn["acceleration"][0].tolist() == pytest.approx([expected * weight, 0.0, 0.0])
+
+
+def test_how_far_a_tie_is_drawn_out_at_the_ultimate_displacement_is_told() -> None:
+    """Mean and tie move by b - b cos(t) + z sin(t), with b = 0.2 and 0.4 m, z = 1.5 and 2.8 m."""
+    ties = [f"wall-0@0,1,{z}:base@-3,1,{z}:15kN" for z in (1.0, 2.8)]
+    found = local_mechanism(courses(1, 0.4, 3.0), part="wall-0", tie=ties)
+    turned = np.linspace(0.0, 0.5, 10001)
+    mean, tie = (b - b * np.cos(turned) + z * np.sin(turned) for b, z in ((0.2, 1.5), (0.4, 2.8)))
+    far = np.interp(found.ultimate, mean, tie)
+    (said,) = [one for one in found.sentences() if "drawn out" in one.text]
+    assert said.role is Role.REMARK
+    assert f"at du* the tie wall-0 is drawn out by {far:.2g} m" in said.text
+    bare = local_mechanism(courses(1, 0.4, 3.0), part="wall-0")
+    assert not any("drawn out" in one.text for one in bare.sentences())
 
 
 @pytest.mark.parametrize("shape", ["L", "T"])
