@@ -197,7 +197,7 @@ class Combinations(Answer):
             "sha256": self.sha256,
             "standing": sum(one.stable for one in self.results),
             "checked": len(self.results),
-            "combinations": len(self.each),
+            "asked_for": len(self.each),
             "governing": self.each[self.governs].words,
             "situation": self.each[self.governs].situation.name,
             "source": self.each[self.governs].situation.source,

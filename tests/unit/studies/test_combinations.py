@@ -87,7 +87,7 @@ def test_what_is_stopped_speaks_of_no_more_than_it_checked(first: float, tmp_pat
     assert said[1].startswith("governs of these: EQU: ")
     assert said[-1] == "not finished: the time was up"
     assert (found.code, found.news) == (1, Role.BAD if fallen else Role.UNSURE)
-    assert (found.numbers()["checked"], found.numbers()["combinations"]) == (2, 8)
+    assert [found.to_dict()[one] for one in ("checked", "asked_for")] == [2, 8]
     parts = str(document_of([found], TitleBlock()).sections[0].parts)
     assert said[0] in parts
 
