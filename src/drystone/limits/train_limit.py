@@ -275,7 +275,8 @@ class TrainEnvelope(Answer):
             said.append(Sentence(why, Role.BAD))
         if self.train.line:
             said.append(self._of_line)
-        everywhere = self.limit is not None and self.limit.rest is not None and not self.stopped
+        rest = None if self.limit is None else self.limit.rest
+        everywhere = bool(rest and rest.stands) and not self.stopped
         if self._ductile and not everywhere:
             why = (
                 "mortar is brittle, and places are compared with ductile joints: only the "
