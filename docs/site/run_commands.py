@@ -44,7 +44,10 @@ COMMAND = re.compile(
     re.MULTILINE,
 )
 """A line of its own, or the cell of a table, on a model."""
-WRITES = re.compile(r"^```python\n(.*?write_text\(.*?)^```$", re.MULTILINE | re.DOTALL)
+WRITES = re.compile(
+    r"^```python\n((?:(?!```).)*?(?:write_text|^drystone\.write)\(.*?)^```$",
+    re.MULTILINE | re.DOTALL,
+)
 """Python by which a page writes its files."""
 SHOWN = re.compile(r"^```toml\n# (\S+\.toml)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 """A file that a page shows, with its name."""
