@@ -121,7 +121,8 @@ class TiltSweep(Answer):
     def sentences(self) -> Sequence[Sentence]:
         """The least tilt, and why directions are missing."""
         stands = bool(self.limits) and not np.isnan(self.rest).any()
-        said = [Sentence(self.title, Role.GOOD if stands else Role.BAD)]
+        role = Role.BAD if not stands else Role.UNSURE if self.missing else Role.GOOD
+        said = [Sentence(self.title, role)]
         told = dict.fromkeys(limit.quantity.remark for limit in self.limits)
         said += [Sentence(one, Role.REMARK) for one in told if one]
         if any(limit.remarks for limit in self.limits):

@@ -215,12 +215,14 @@ class TrainEnvelope(Answer):
         at, factor = self._placed[self.worst].at.words, float(self.factors[self.worst])
         if not factor > 0.0:
             return f"Forces balance no share of '{train}' at {at}"
-        place = f"least{self._ductile} at {at}"
-        if self._stands is not None:
-            factor = rounded_down(self._stands)
-            if factor < 1.0:
-                return f"Does not carry '{train}', only {factor:g} of it, {place}"
-            return f"Stands under '{train}' up to load factor {factor:g}, {place}"
+        known, asked = len(self.places), self.asked_for
+        among = f" of {known} of {asked} places" if known < asked else ""
+        place = f"least{self._ductile}{among} at {at}"
+        if self._rest is not None and self._rest < 1.0:
+            return f"Does not carry '{train}', only {rounded_down(self._rest):g} of it, {place}"
+        if self._rest is not None and not self._undecided and not self.stopped:
+            stands = rounded_down(self._rest)
+            return f"Stands under '{train}' up to load factor {stands:g}, {place}"
         if factor < 1.0:
             return f"Forces balance '{train}' up to {rounded_down(factor):g} of it only, {place}"
         told = "any load factor" if np.isinf(factor) else f"load factor {rounded_down(factor):g}"
@@ -231,9 +233,9 @@ class TrainEnvelope(Answer):
         return " with ductile joints" if self.model.contacts.brittle else ""
 
     @property
-    def _stands(self) -> float | None:
-        """The factor up to which it stands wherever the train is; None where that is not known."""
-        rest = None if self.limit is None or self._undecided else self.limit.rest
+    def _rest(self) -> float | None:
+        """The factor up to which it stands by the verdict at the worst place, if known."""
+        rest = None if self.limit is None else self.limit.rest
         return None if rest is None else rest.stands
 
     @property
@@ -244,7 +246,7 @@ class TrainEnvelope(Answer):
 
     def sentences(self) -> Sequence[Sentence]:
         """The least factor, how it was found, and what it does not say."""
-        role = Role.GOOD if self.carried else Role.BAD
+        role = Role.BAD if not self.carried else Role.UNSURE if self.stopped else Role.GOOD
         said = [Sentence(self.title, role)]
         x, y, _ = self._crossing.tops.road.strips.axes[0]
         if y != 0.0:
@@ -275,8 +277,7 @@ class TrainEnvelope(Answer):
             said.append(Sentence(why, Role.BAD))
         if self.train.line:
             said.append(self._of_line)
-        rest = None if self.limit is None else self.limit.rest
-        everywhere = bool(rest and rest.stands) and not self.stopped
+        everywhere = bool(self._rest) and not self.stopped
         if self._ductile and not everywhere:
             why = (
                 "mortar is brittle, and places are compared with ductile joints: only the "

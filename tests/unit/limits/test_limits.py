@@ -572,6 +572,7 @@ def test_a_stopped_sweep_has_the_directions_that_are_complete() -> None:
     assert some.missing == (90.0, 180.0, 270.0)
     assert some.stopped == "it was interrupted after 1 of 4 directions (degrees: 0)"
     assert some.to_dict()["stopped"] == some.stopped
+    assert some.sentences()[0].role is Role.UNSURE
     # one direction is no weakest one
     assert some.to_dict()["weakest_azimuth"] is None
     assert "1 of 4 directions" in repr(some)

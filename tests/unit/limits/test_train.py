@@ -49,6 +49,9 @@ def test_the_worst_place_stands_just_below_its_limit_and_falls_just_above(bridge
     assert f"{words} that" in [one.text for one in found.sentences()]
     unsure = replace(found, _undecided=(0, 3))
     assert unsure.title == "Forces balance 'axle' up to load factor 209.5, least at x = 1.27 m"
+    late = replace(found, stopped="the time was up", asked_for=10)
+    assert late.title.endswith(f"factor 209.5, least of {count} of 10 places at x = 1.27 m")
+    assert late.sentences()[0].role is Role.UNSURE
     told = f"at 2 of {count} places it is undecided under that factor"
     assert told in "; ".join(one.text for one in unsure.sentences())
     assert found.limit.rest is not None
