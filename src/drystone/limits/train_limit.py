@@ -246,7 +246,8 @@ class TrainEnvelope(Answer):
 
     def sentences(self) -> Sequence[Sentence]:
         """The least factor, how it was found, and what it does not say."""
-        role = Role.BAD if not self.carried else Role.UNSURE if self.stopped else Role.GOOD
+        unsure = self.stopped or self._undecided or np.isnan(self.factors).any()
+        role = Role.BAD if not self.carried else Role.UNSURE if unsure else Role.GOOD
         said = [Sentence(self.title, role)]
         x, y, _ = self._crossing.tops.road.strips.axes[0]
         if y != 0.0:
@@ -627,10 +628,11 @@ def _with_verdict(envelope: TrainEnvelope, clock: Clock) -> TrainEnvelope:
             said = dict(zip(others, each, strict=False))
             unknown = (i for i, one in said.items() if one is Verdict.UNDECIDED)
             envelope = replace(envelope, _undecided=tuple(unknown), stopped=clock.reason)
-            others = [i for i, one in said.items() if one is Verdict.UNSTABLE]
-            if not others or clock.late():
+            falls = [i for i, one in said.items() if one is Verdict.UNSTABLE]
+            if not falls or clock.late():
                 return envelope
-            at = min(others, key=lambda i: factor_of(placed[i]))
+            others = [i for i, one in said.items() if one is not Verdict.STABLE]
+            at = min(falls, key=lambda i: factor_of(placed[i]))
 
 
 def _verdict(model: Model) -> Verdict:

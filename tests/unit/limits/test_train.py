@@ -5,17 +5,29 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from itertools import count
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 import pytest
 
-from drystone import Assembly, Block, InputError, JointCapacity, LoadCase, Model, check, read
+from drystone import (
+    Assembly,
+    Block,
+    InputError,
+    JointCapacity,
+    LoadCase,
+    Model,
+    Result,
+    Verdict,
+    check,
+    read,
+)
 from drystone.answer import Role
 from drystone.cli import main
 from drystone.formulations.equilibrium import LoadFactors
 from drystone.geometry.frames import rotations
 from drystone.limits import LimitOptions, limit_load, limit_train
+from drystone.limits.limit_types import verdict
 from drystone.loads import Fill, Train
 from drystone.loads.fill import Tops
 from drystone.models import box, segmental_bridge, tower
@@ -114,8 +126,13 @@ def test_no_verdict_counts_what_fill_resists(bridge: Model) -> None:
     assert "limit train" in fill.on(bridge.assembly).notes[0]
 
 
-def test_the_worst_place_is_that_of_the_verdict_not_of_ductile_joints() -> None:
-    """Of two planks that tip by hand the glued one falls first: its glue breaks."""
+def test_the_worst_place_is_that_of_the_verdict_not_of_ductile_joints(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Of two planks that tip by hand the glued one falls first: its glue breaks.
+
+    Were the verdict undecided at the first place under any factor, it would be told.
+    """
     two = Assembly(
         (
             *(box((2.0, 1.0, 1.0), (x, 0.0, -1.0), name) for x, name in ((-1.0, "a"), (3.2, "b"))),
@@ -132,6 +149,17 @@ def test_the_worst_place_is_that_of_the_verdict_not_of_ductile_joints() -> None:
     assert found.limit.stands == pytest.approx(weight / 950.0, rel=1e-3)
     assert found.factors.min() > 2.0 * found.limit.stands
     assert found.places[found.worst] == pytest.approx(2.25, abs=1e-3)
+    assert found.sentences()[0].role is Role.GOOD
+
+    def unsure(model: Model, **how: Any) -> Result:
+        at_first = "axle at x = -0." in model.load.name
+        result = verdict(model, **how)
+        return replace(result, verdict=Verdict.UNDECIDED) if at_first else result
+
+    monkeypatch.setattr("drystone.limits.train_limit.verdict", unsure)
+    open_ = limit_train(glued, train=axle, steps=4)
+    assert open_.sentences()[0].role is Role.UNSURE
+    assert open_.title.startswith("Forces balance 'axle' up to load factor")
 
 
 def test_a_train_with_a_heavy_end_is_moved_both_ways(bridge: Model) -> None:
