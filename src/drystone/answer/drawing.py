@@ -38,7 +38,7 @@ def bare_scene(model: Model) -> Scene:
     """Blocks, their interfaces, ties and loads, without an analysis."""
     scene = scene_of_blocks(model.assembly, model.contacts)
     stage, drawn = scene.stages[0], load_layers(model.assembly, model.load)
-    drawn = (*tie_layer(model.assembly, model.contacts, "", ~model.contacts.of_fill), *drawn)
+    drawn = (*tie_layer(model.assembly, model.contacts), *drawn)
     message, layers = "; ".join(worth_drawing(model.notes)), (*stage.layers, *drawn)
     told = replace(stage, message=message, layers=layers)
     return replace(scene, stages=(told,), facts=Question.of(model).facts())
@@ -187,13 +187,13 @@ def _surface_layer(assembly: Assembly, load: LoadCase) -> tuple[Layer, ...]:
 
 
 def tie_layer(
-    assembly: Assembly, contacts: Contacts, words: str, shown: Bools | None = None
+    assembly: Assembly, contacts: Contacts, words: str = "", shown: Bools | None = None
 ) -> tuple[Layer, ...]:
-    """The ties among some interfaces (m,), or all, as lines from end to end, with words.
+    """The ties among some interfaces (m,), or all but those of fill, as lines from end to end.
 
     Without words their least strength is told.
     """
-    ties = np.flatnonzero(contacts.ties if shown is None else contacts.ties & shown)
+    ties = np.flatnonzero(contacts.ties & (~contacts.of_fill if shown is None else shown))
     if not ties.size:
         return ()
     if not words:

@@ -54,7 +54,7 @@ def stage_of(result: Solution, headline: str, label: str = "result") -> SceneSta
     needed = _needed(result)
     layers = [*interface_layers(contacts), *help_layer(assembly, needed)]
     if result.force is None:
-        layers += tie_layer(assembly, contacts, "", ~contacts.of_fill)
+        layers += tie_layer(assembly, contacts)
     layers += load_layers(assembly, result.load)
     stage = SceneStage(
         label, headline, "; ".join([result.message, *worth_drawing(result.model.notes)]), state,

@@ -147,7 +147,8 @@ class Combinations(Answer):
             divided += f", of ties by {by.tie:g}{none}"
         said.append(Sentence(divided))
         said += [Sentence(one, Role.REMARK) for one in self._not_apart]
-        shaken = [Shaken.of(self.governing.assembly, one.load) for one in self.each]
+        reached = self.each[: len(self.results)]
+        shaken = [Shaken.of(self.governing.assembly, one.load) for one in reached]
         said += [Sentence(one, Role.REMARK) for one in dict.fromkeys(x.words for x in shaken if x)]
         return said + self._unfinished()
 
