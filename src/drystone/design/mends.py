@@ -170,7 +170,8 @@ class MendOptions(Options):
         joints are not changed either; what is added may touch them.
     train
         That has to cross the model, with the fill of its load: it is mended under the train where
-        that is carried least, and each mend is then asked of all places.
+        that is carried least, and each mend is then asked of all places, and of a margin at the
+        worst.
     """
 
     margin: DesignMargin = field(default_factory=DesignMargin)
@@ -581,15 +582,22 @@ def _numbers(positions: Sequence[int]) -> str:
 def _under_train(model: Model, chosen: MendOptions, clock: Clock) -> tuple[Model, str]:
     """A model under the train of the options where that is carried least, and what is said of it.
 
-    Without the train where it is carried at all places, or the model falls alone.
+    Without the train where it is carried at all places, with the margin at the worst, or the model
+    falls alone.
     """
     if chosen.train is None:
         return model, ""
     alone = model.with_load(model.load.without(_trains(model, chosen)))
     found = limit_train(alone, train=chosen.train, steps=_PLACES, **clock.rest)
-    if found.stopped or found.falls_alone or found.carried:
+    if found.stopped or found.falls_alone or (found.carried and not chosen.margin.words):
         return alone, found.title
-    return found.loaded, found.title
+    if not found.carried:
+        return found.loaded, found.title
+    result = chosen.margin.holds(found.loaded, clock.late)
+    if chosen.margin.meets(result):
+        return alone, found.title
+    left = _left(result, chosen.margin.case_of(result, found.loaded))
+    return found.loaded, f"{found.title}; there, {left}"
 
 
 def _trains(model: Model, chosen: MendOptions) -> list[GivenLoad]:
@@ -614,10 +622,11 @@ def _crossed(made: Changed, chosen: MendOptions, clock: Clock) -> Changed:
         made.change,
         description=f"{made.change.description}; of all places: {said[0].lower()}{said[1:]}",
     )
-    made = replace(made, changes=(kept,), words=kept.description)
-    if not _trains(model, chosen):
-        return made
-    return replace(made, result=chosen.margin.holds(model, clock.late), stands=False)
+    result = chosen.margin.holds(model, clock.late)
+    stands = made.stands and chosen.margin.meets(result)  # not where it falls alone, or is stopped
+    if _trains(model, chosen):
+        made, stands = replace(made, result=result), False
+    return replace(made, changes=(kept,), words=kept.description, stands=stands)
 
 
 def _with_margin(made: Sequence[Changed], stop: Stop) -> list[Changed]:

@@ -319,6 +319,22 @@ def test_a_mend_under_a_train_is_asked_of_all_its_places() -> None:
     assert not found.together([2], options=options).stands
 
 
+def test_a_train_that_is_carried_is_asked_at_the_margin_and_a_stopped_one_is_not_carried() -> None:
+    """A slab that overhangs its pier by 0.2 m: weight x 0.5 m = axle x 0.2 m."""
+    slab = box((1.4, 1.0, 0.3), (-0.2, 0.0, 1.0), "slab")
+    model = Model.of(Assembly((box((1.0, 1.0, 1.0)), slab)).with_fixed([0]), friction=0.7)
+    tips, places = 2.5 * 9.81 * float(model.assembly.mass[1]), list[int]()
+    half, more = (Train("axle", (0.0,), (share * tips,)) for share in (0.5, 1.2))
+    options = MendOptions(kinds=("ballast",), train=half, margin=DesignMargin(load=2.1))
+    found = find_mends(model, options=options, regions=0)
+    assert found.case.endswith("under 2.1 times what loads it beside its weight")
+    (mend,) = find_mends(
+        model, options=MendOptions(kinds=("ballast",), train=more),
+        progress=lambda _, done, __: places.append(done), stop=lambda: places.count(2) > 1,
+    ).mends  # fmt: skip
+    assert not mend.stands
+
+
 def test_in_place_of_a_level_prop_a_buttress_of_the_size_that_is_told_stands() -> None:
     """A wall that is pushed over at its top; with a buttress a third as deep it falls."""
     ground, wall = box((6.0, 6.0, 1.0), (-3.0, -3.0, -1.0), "ground"), box((2.0, 0.5, 2.0))
