@@ -14,7 +14,6 @@ from drystone.base import units
 from drystone.base.arrays import SAME, Floats, cross, marked
 from drystone.base.errors import counted
 from drystone.base.settings import Progress
-from drystone.contacts import Contacts
 from drystone.design import DesignMargin, MendOptions
 from drystone.live.wish import Found, WishedModel
 from drystone.mechanics.bodies import build_bodies
@@ -69,8 +68,7 @@ def at_once(model: Model, steps: CoarseSteps | None = None, before: Floats | Non
         return Found(result, replace(result.stage("live"), headline=headline, role=None))
     joints = counted(len(found.open_joints()), "joint")
     headline = f"Supports moved by {size}: {joints} open to first order; it is being followed"
-    contacts = _carried(model, result.displacement)
-    made = _moved(result, contacts, result.displacement[None])
+    made = _moved(result, _carried(model, result.displacement), result.displacement[None])
     return Found(result, replace(made, headline=headline, role=None), moved=True)
 
 
@@ -174,7 +172,7 @@ def _followed(
     last = found.states[-1]
     result = last.result(model, found.end.verdict, f"{FORCE}: {found.message}", found.stopped)
     path = np.stack([one.positions for one in found.states])
-    stage = _moved(result, _of_model(model, last), path)
+    stage = _moved(result, last.placed(model), path)
     state = stage.state.copy()
     state[found.falling] = State.FALLING
     return Found(result, replace(stage, headline=found.title, state=state), moved=True)
@@ -183,26 +181,17 @@ def _followed(
 def _on_the_way(model: Model, state: LargeState) -> Found:
     """The blocks before the supports have moved all their way."""
     result = state.result(model, Verdict.UNDECIDED, "the blocks are being followed")
-    stage = _moved(result, _of_model(model, state), state.positions[None])
+    stage = _moved(result, state.placed(model), state.positions[None])
     far = units.quantity(state.displacement, "m")
     headline = f"Supports moved by {far} so far: the blocks are being followed"
     return Found(result, replace(stage, headline=headline, role=None), moved=True)
 
 
-def _of_model(model: Model, state: LargeState) -> Contacts:
-    """The moved interfaces of the model, without those that blocks met later.
+def _moved(result: Result, placed: Model, path: Floats) -> SceneStage:
+    """The picture of blocks that have followed a path (s, n, 6), with the forces at its end.
 
-    The page knows the interfaces of the model only, and those that were met come after them.
+    The page knows the interfaces of the model only: ``placed``, at the end, has no more.
     """
-    own = np.arange(state.contacts.count) < model.contacts.count
-    return state.contacts.select(own)
-
-
-def _moved(result: Result, contacts: Contacts, path: Floats) -> SceneStage:
-    """The picture of blocks that have followed a path (s, n, 6), with the forces at its end."""
-    model = result.model
-    there = model.assembly.moved(path[-1])
-    placed = replace(model, assembly=there, contacts=contacts)
     # staged as one that stands: where it falls later, the forces are those before it falls
     stage = replace(result, model=placed, verdict=Verdict.STABLE).stage("live")
     layers = tuple(  # marks of a joint would be moved with its blocks once more
@@ -215,14 +204,15 @@ def _moved(result: Result, contacts: Contacts, path: Floats) -> SceneStage:
     )  # fmt: skip
 
 
-def _carried(model: Model, motion: Floats) -> Contacts:
-    """Interfaces moved with both of their blocks by half, to first order."""
+def _carried(model: Model, motion: Floats) -> Model:
+    """The model moved, its interfaces with both of their blocks by half, to first order."""
     contacts, centroid = model.contacts, model.assembly.centroid
     moved = np.zeros_like(contacts.point)
     for block in (contacts.block_a, contacts.block_b):
         of = block[contacts.interface]
         moved += motion[of, :3] + cross(motion[of, 3:], contacts.point - centroid[of])
-    return replace(contacts, point=contacts.point + 0.5 * moved)
+    contacts = replace(contacts, point=contacts.point + 0.5 * moved)
+    return replace(model, assembly=model.assembly.moved(motion), contacts=contacts)
 
 
 class _Place(NamedTuple):

@@ -89,7 +89,7 @@ class SupportResponse(Answer):
     ----------
     result
         Forces and displacements; those of the supports are the prescribed ones. Of what falls, the
-        last ones before.
+        last ones before. Of finite steps its model is where the blocks are then.
     before
         The same model before its supports move, by the same method.
     followed
@@ -157,10 +157,10 @@ class SupportResponse(Answer):
             raise InputError("there are no forces to compare", remedy="see whether it stands")
         return self.result.resultants.force - self.before.resultants.force
 
-    @property
+    @cached_property
     def model(self) -> Model:
         """The model, with its supports in their places."""
-        return self.result.model
+        return self.before.model.with_load(self.result.model.load)
 
     @property
     def _steps(self) -> LargeDisplacement | None:
@@ -416,7 +416,8 @@ def support_response(
     states, told = followed.states, (followed.end.verdict, followed.message, followed.stopped)
     stood = (Verdict.STABLE, "the supports have not moved") if len(states) > 1 else told
     still = model.with_load(replace(model.load, motion=None))
-    after, before = states[-1].result(model, *told), states[0].result(still, *stood)
+    last, before = states[-1], states[0].result(still, *stood)
+    after = last.result(last.placed(model), *told)
     return SupportResponse(after, before, followed, stopped=followed.stopped)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import enum
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -159,6 +159,11 @@ class LargeState(OneLine):
             "settlement", verdict, model, message, force=self.force[: model.contacts.corner_count],
             displacement=self.positions, stopped=stopped,
         )  # fmt: skip
+
+    def placed(self, model: Model) -> Model:
+        """The model with its blocks and joints where they are now, without joints met later."""
+        own = self.contacts.select(np.arange(self.contacts.count) < model.contacts.count)
+        return replace(model, assembly=model.assembly.moved(self.positions), contacts=own)
 
     def joints(self, names: tuple[str, ...]) -> Table:
         """The table of :meth:`drystone.Result.joints`, of this state."""
