@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import astuple, dataclass, replace
 from enum import Enum
@@ -436,8 +437,8 @@ def _again(plan: Plan) -> list[str]:
     """The order of a plan of few blocks, to be given again; and what may save its props."""
     if plan.impossible:
         return []
-    names = [plan.model.assembly.names[i] for step in plan.steps for i in step.blocks]
-    said = [f"this order: --order {','.join(names)}"] if 0 < len(names) <= _LISTED else []
+    names = shlex.quote(",".join(plan.order))
+    said = [f"this order: --order {names}"] if 0 < len(plan.order) <= _LISTED else []
     if plan.counts["propped"] and not plan.rules.robots:
         hands = f"--hands {plan.rules.hands + 1} gives one more hand"
         said.append(f"props: {hands}, --scaffold strut asks for real ones")

@@ -34,14 +34,15 @@ def test_a_stack_needs_no_help(stack, capsys):
 def test_groups_within_reach_come_one_after_the_other(tmp_path, capsys):
     path = tmp_path / "three.json"
     blocks = tuple(
-        box((1.0, 1.0, 1.0), (1.5 * i, 0.0, z), f"{name}{i}")
+        box((1.0, 1.0, 1.0), (1.5 * i, 0.0, z), f"{name} {i}")
         for name, z in (("base", 0.0), ("top", 1.0))
         for i in range(3)
     )
     io.write(Assembly(blocks, np.arange(6) < 3), path)
-    code, data = answer(capsys, "plan", str(path), "--reach", "top1", "--reach", "top2,top0")
+    code, data = answer(capsys, "plan", str(path), "--reach", "top 1", "--reach", "top 2,top 0")
     assert code == 0
-    assert data["order"][0] == "top1"
+    assert data["order"][0] == "top 1"
+    assert data["notes"][-1] == f"this order: --order '{','.join(data['order'])}'"  # for a shell
 
 
 def test_a_person_reads_steps_and_counts(stack, capsys):
