@@ -29,7 +29,7 @@ from drystone.limits.polar import TiltSweep as TiltSweep
 from drystone.limits.polar import tilt_sweep as tilt_sweep
 from drystone.limits.thrust import ThrustBounds as ThrustBounds
 from drystone.limits.thrust import thrust_bounds as thrust_bounds
-from drystone.limits.train_limit import TrainEnvelope as TrainEnvelope
+from drystone.limits.train_answer import TrainEnvelope as TrainEnvelope
 from drystone.limits.train_limit import limit_train as limit_train
 from drystone.settlement import large_displacement
 

@@ -15,7 +15,7 @@ from drystone.base.units import quantity
 from drystone.geometry.quadrature import ACCURATE
 from drystone.joints import HINGED, worst_joints
 from drystone.limits import Limit
-from drystone.limits.train_limit import TrainEnvelope
+from drystone.limits.train_answer import TrainEnvelope
 from drystone.loads.applied import Shaken, loads_apart
 from drystone.model import Model
 from drystone.report import sketches

@@ -19,7 +19,7 @@ from drystone.base.errors import InputError
 from drystone.base.units import quantity
 from drystone.geometry.frames import unit
 from drystone.limits import Limit
-from drystone.limits.train_limit import TrainEnvelope
+from drystone.limits.train_answer import TrainEnvelope
 from drystone.model import Model
 from drystone.report.document import Picture
 from drystone.sequence import Plan
