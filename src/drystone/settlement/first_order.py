@@ -108,10 +108,15 @@ class SupportResponse(Answer):
 
     @cached_property
     def _apart(self) -> Floats:
-        moved = self.result.displacement
-        loose = Assembly(self.assembly.blocks)  # moving supports are free in the kinematics
+        moved, contacts = self.result.displacement, self.contacts
         motion = _motion_of(self.model) if moved is None else moved
-        return corner_motion(loose, self.contacts, motion)
+        if self._steps is None:
+            loose = Assembly(self.assembly.blocks)  # moving supports are free in the kinematics
+            return corner_motion(loose, contacts, motion)
+        way = np.subtract(*_carried(self.model, motion)[::-1])
+        back = rotations(-motion[:, 3:])[contacts.block_a]
+        axes = (contacts.frame @ back)[contacts.interface]
+        return np.asarray((axes @ way[:, :, None])[:, :, 0])
 
     @property
     def opening(self) -> Floats:
@@ -316,15 +321,12 @@ class SupportResponse(Answer):
 
     def _hinges(self, motion: Floats, factor: float) -> tuple[Layer, ...]:
         """Marks on the moved blocks where joints that open stay closed."""
-        contacts, corners = self.contacts, self.contacts.corners
+        corners = self.contacts.corners
         closed = self.opening <= self._OPENS * self.size
         joint = np.intersect1d(self.open_joints(), np.flatnonzero(corners.any(closed)))
         if len(joint) == 0:
             return ()
-        block = contacts.block_b[contacts.interface]
-        centre, move = self.assembly.centroid[block], motion[block]
-        arm = rotations(move[:, 3:]) @ (contacts.point - centre)[:, :, None]
-        point = np.where(closed[:, None], centre + move[:, :3] + arm[:, :, 0], 0.0)
+        point = np.where(closed[:, None], _carried(self.model, motion)[1], 0.0)
         at = corners.sum(point)[joint] / corners.sum(closed)[joint, None]
         label = f"turns about an edge; the motion is drawn {factor:.3g} times as large"
         return (Layer("hinges", label, LayerKind.MARKERS, "hinge", at),)
@@ -437,6 +439,14 @@ def _motion_of(model: Model) -> Floats:
     """(n, 6) [m, rad] of the supports."""
     motion = model.load.motion
     return np.zeros((len(model), 6)) if motion is None else motion
+
+
+def _carried(model: Model, motion: Floats) -> Floats:
+    """(2, k, 3) [m] each corner where blocks a and b carry it that move by (n, 6)."""
+    block = model.contacts.corner_blocks
+    centre, move = model.assembly.centroid[block], motion[block]
+    arm = rotations(motion[:, 3:])[block] @ (model.contacts.point - centre)[..., None]
+    return np.asarray(centre + move[..., :3] + arm[..., 0])
 
 
 def _size(model: Model) -> float:
