@@ -203,8 +203,8 @@ class Bench:
             best = best if value is None else (change, value)
         return best
 
-    def largest_forces(self, change: Change, count: int) -> tuple[Floats, Floats]:
-        """The largest force at the last joints after a single change, which was tried last.
+    def largest_forces(self, change: Change) -> tuple[Floats, Floats]:
+        """The largest force at the joints that a single change adds, which was tried last.
 
         Returns
         -------
@@ -213,7 +213,9 @@ class Bench:
         point : (count, 3) [m]
             Where it acts.
         """
+        before = self.changed(lambda model, *_: model, change.beyond)
         made = self.changed(change.make(0.0), change.beyond)
+        count = made.contacts.count - before.contacts.count
         force, point = np.zeros((2, count, 3))
         for number, case in enumerate((made, *self.margin.cases(made))):
             start = self.rests[number].get(0) if self.rests else None

@@ -81,16 +81,12 @@ def prop(asked: KnownNeeds) -> Proposals:
     failed = "" if alone else f"no prop holds it: tried were {found.tried}"
 
     def tries(several: list[list[PropSeat]], why: str, *, smooth: bool = True) -> Tries:
-        of = {
-            Change.single("prop", props_at(some, smooth=smooth), "", added=len(some)): some
-            for some in several
-        }
-
-        def told(change: Change) -> Held:
-            words = partial(_prop_words, bench, of[change])
-            return _by_force(bench, change.added, words, change)
-
-        return Tries(list(of), why, Take.FIRST, last=not smooth, told=told)
+        words: _Words = {}
+        for some in several:
+            single = Change.single("prop", props_at(some, smooth=smooth), "", added=len(some))
+            words[single] = partial(_prop_words, bench, some)
+        told = partial(_by_force, bench, words)
+        return Tries(list(words), why, Take.FIRST, last=not smooth, told=told)
 
     if alone:
         yield tries([alone], "")
@@ -143,17 +139,17 @@ def _prop_words(bench: Bench, some: Sequence[PropSeat], forces: Floats, points: 
     return f"a prop of {parts}{steady}{_buttress(bench, some[0].block, forces[0], points[0])}"
 
 
-def _by_force(
-    bench: Bench, count: int, words: Callable[[Floats, Floats], str], change: Change
-) -> Held:
-    """A change told by the forces [N] of its last joints at the margin."""
-    forces, points = bench.largest_forces(change, count)
-    told, total = words(forces, points), float(np.linalg.norm(forces, axis=1).sum())
+_Words: TypeAlias = dict[Change, Callable[[Floats, Floats], str]]
+"""Changes, and their words by the forces (p, 3) [N] of what they add and where these act [m]."""
+
+
+def _by_force(bench: Bench, words: _Words, change: Change) -> Held:
+    """A single change told by the forces of what it adds, at the margin."""
+    forces, points = bench.largest_forces(change)
+    told, total = words[change](forces, points), float(np.linalg.norm(forces, axis=1).sum())
     if bench.margin != DesignMargin():
         told += ": the largest force at the margin"
-    make, size = change.make(0.0), (change.joints, change.added)
-    single = Change.single(change.kind, make, told, total, *size)
-    return replace(single, beyond=change.beyond), total
+    return replace(change, words=lambda _: told, steps=(total,), low=total), total
 
 
 def _steady(bench: Bench, block: int, force: Floats, point: Floats, what: str = "pushes") -> str:
@@ -207,11 +203,11 @@ def tie(asked: KnownNeeds) -> Proposals:
     centroid, size = local.assembly.centroid, local.assembly.size.max()
     held, back = list[Change](), _tied_back(bench)
 
-    def told_back(change: Change) -> Held:
+    def told(words: _Words, change: Change) -> Held:
         held.append(change)
-        return _by_force(bench, change.added, back[change], change)
+        return _by_force(bench, words, change)
 
-    yield Tries(list(back), "", Take.FIRST, told=told_back)
+    yield Tries(list(back), "", Take.FIRST, told=partial(told, back))
     rate, apart = _apart(bench, bench.motion)
     if not len(apart):
         yield from () if held else ("no blocks move apart",)
@@ -224,14 +220,11 @@ def tie(asked: KnownNeeds) -> Proposals:
             model = tied(model, int(blocks[i]), int(blocks[j]))
         return model
 
-    hoops = {Change.single("tie", partial(make, ring), "", added=1): ring for ring in _rings(bench)}
-
-    def told_hoop(change: Change) -> Held:
-        held.append(change)
-        ring = hoops[change]
-        return _by_force(bench, len(ring), partial(_hoop_words, bench, ring), change)
-
-    yield Tries(list(hoops), "", Take.FIRST, told=told_hoop)
+    hoops: _Words = {
+        Change.single("tie", partial(make, ring), "", added=1): partial(_hoop_words, bench, ring)
+        for ring in _rings(bench)
+    }
+    yield Tries(list(hoops), "", Take.FIRST, told=partial(told, hoops))
     touching = {*zip(local.contacts.block_a.tolist(), local.contacts.block_b.tolist(), strict=True)}
 
     def through(ends: _Ends) -> tuple[str, int, bool]:
@@ -246,34 +239,25 @@ def tie(asked: KnownNeeds) -> Proposals:
         return said, len(pierced) + (within and bool(pierced)), within and bool(pierced)
 
     def words(ties: tuple[_Ends, ...], forces: Floats, _: Floats) -> str:
-        told, dowels = [], True
+        each, dowels = [], True
         for ends, force in zip(ties, forces, strict=True):
             lies, _joints, dowel = through(ends)
             between = f"the middles of {names_of(local, ends)}, {math.dist(*centroid[[*ends]]):.3g}"
-            told.append(f"{quantity(math.hypot(*force), 'N')} between {between} m apart{lies}")
+            each.append(f"{quantity(math.hypot(*force), 'N')} between {between} m apart{lies}")
             dowels &= dowel
         what = "dowel" if dowels else "tie"
-        several = f"{len(told)} {what}s that pull" if len(told) > 1 else f"a {what} that pulls"
-        return f"{several} {listed(told)}"
+        several = f"{len(each)} {what}s that pull" if len(each) > 1 else f"a {what} that pulls"
+        return f"{several} {listed(each)}"
 
     def tries(several: list[tuple[_Ends, ...]], why: str) -> Tries:
-        of = {
-            Change.single(
-                "tie",
-                partial(make, ties),
-                "",
-                joints=sum(through(ends)[1] for ends in ties),
-                added=len(ties),
-            ): ties
-            for ties in several
-        }
-
-        def told(change: Change) -> Held:
-            return _by_force(bench, len(of[change]), partial(words, of[change]), change)
-
+        of: _Words = {}
+        for ties in several:
+            joints = sum(through(ends)[1] for ends in ties)
+            single = Change.single("tie", partial(make, ties), "", 0.0, joints, len(ties))
+            of[single] = partial(words, ties)
         all_ties = tuple(dict.fromkeys(ends for ties in several for ends in ties))
         more = Change.single("tie", partial(make, all_ties), "") if len(several) > 2 else None
-        return Tries(list(of), why, Take.FIRST, told=told, together=more)
+        return Tries(list(of), why, Take.FIRST, told=partial(told, of), together=more)
 
     beside = np.array([bool({(i, j), (j, i)} & touching) for i, j in apart.tolist()])  # tried last
     # from the middle a tie is half as long as between opposite blocks, and pulls aside
@@ -299,7 +283,7 @@ def tie(asked: KnownNeeds) -> Proposals:
         why = f"{count} ties, each where most"
 
 
-def _tied_back(bench: Bench) -> dict[Change, Callable[[Floats, Floats], str]]:
+def _tied_back(bench: Bench) -> _Words:
     """Ties from blocks to others beyond the region that these do not touch, with their words.
 
     Each is level, against the first motion of its block, and ends where it meets the other one: one
@@ -320,7 +304,7 @@ def _tied_back(bench: Bench) -> dict[Change, Callable[[Floats, Floats], str]]:
             bulk = round(far / model.assembly.size.max() * most / speed[i], 6)
             found.append((bulk, _off(bench, np.array([[i, i]]))[0], i, ties))
 
-    made: dict[Change, Callable[[Floats, Floats], str]] = {}
+    made: _Words = {}
     for _, _, i, ties in sorted(found, key=lambda one: one[:2])[:_FIRST]:
         make = partial(_tie_back, model.assembly, bench.region[i], ties)
         change = Change.single("tie", make, "", added=len(ties))
