@@ -413,4 +413,4 @@ def _named(assembly: Assembly, part: str) -> Bools:
         what = "an empty name"
     else:
         what = f"no block fits '{part}'" if pattern else f"no block is called '{part}'"
-    raise InputError(what, where="supports", remedy=meant(part, names))
+    raise InputError(what, where="supports", remedy=meant(part, (*names, "lowest")))

@@ -59,6 +59,7 @@ def test_names_may_hold_spaces_commas_and_brackets() -> None:
     [
         ("blok-1", ["'blok-1'", "did you mean", "block-1"]),
         ("col*", ["'col*'", "names are like block-0"]),
+        ("lowset", ["did you mean lowest?"]),
         ("block-0,", ["empty name"]),
         ("", ["empty name"]),
         ("below:-1", ["no block reaches down to -1 m", "0 m"]),
