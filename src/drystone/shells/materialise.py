@@ -18,7 +18,7 @@ from drystone.base.ragged import Ragged
 from drystone.geometry.frames import area_vectors, frames_from_normals
 from drystone.geometry.polyhedron import loop_edges, used_vertices
 from drystone.geometry.triangulate import triangulate, warp_and_view
-from drystone.shells.patch import PARTS, Patch, Shape, curvatures, numbers
+from drystone.shells.patch import Shape, curvatures, numbers
 from drystone.shells.pattern import Tessellation
 
 _LEAST_COSINE = 0.5
@@ -328,14 +328,10 @@ def shape_volume(shape: Shape, thickness: float) -> float:
     """
     total = 0.0
     for patch in shape.patches:
-        gauss = curvatures(patch, *patch.parts).prod(axis=2)
-        total += float((_areas(patch) * thickness * (1.0 + gauss * thickness**2 / 12.0)).sum())
+        u, v, area = patch.parts
+        gauss = curvatures(patch, u, v).prod(axis=2)
+        total += float((area * thickness * (1.0 + gauss * thickness**2 / 12.0)).sum())
     return total
-
-
-def _areas(patch: Patch) -> Floats:
-    """(p, p) [m2] of small parts of a patch."""
-    return np.asarray(np.linalg.norm(np.cross(*patch.parts[2]), axis=2) / PARTS**2)
 
 
 def vertex_thickness(mesh: Tessellation, thickness: Thickness) -> Floats:
@@ -390,7 +386,7 @@ def fit_cells(mesh: Tessellation, shape: Shape) -> tuple[Tessellation, float]:
     rise = dot(mesh.crest - middle, area) / np.maximum(size, 1e-300)
     move = vertex_means(mesh, np.nan_to_num(rise))[:, None] * mesh.normal
     known = np.isfinite(rise)
-    wanted = sum(float(_areas(patch).sum()) for patch in shape.patches)
+    wanted = sum(float(patch.parts[2].sum()) for patch in shape.patches)
 
     def missing_area(share: float) -> float:
         moved = area_vectors((mesh.point + share * move)[loop], start)

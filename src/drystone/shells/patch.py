@@ -159,26 +159,24 @@ class Patch(OneLine):
         return float(np.linalg.norm(np.ptp(points, axis=0)))
 
     @cached_property
-    def parts(self) -> tuple[Floats, Floats, tuple[Floats, Floats]]:
-        """Middles (p, 1) and (1, p) in u and v of small parts, and the tangents (p, p, 3) there."""
+    def parts(self) -> tuple[Floats, Floats, Floats]:
+        """Middles (p, 1) and (1, p) in u and v of small parts, and their areas (p, p) [m2]."""
         grid = (np.arange(PARTS) + 0.5) / PARTS
         u, v = grid[:, None], grid[None, :]
-        return u, v, self.tangents(u, v)
+        return u, v, np.linalg.norm(np.cross(*self.tangents(u, v)), axis=2) / PARTS**2
 
     def border(self, side: Side, along: Any) -> Floats:
         """Points (k, 3) [m] at the positions ``along`` (k,) of a side."""
         return self.point(*side.parameters(np.asarray(along, dtype=np.float64)))
 
 
-def curvatures(
-    patch: Patch, u: Any, v: Any, tangents: tuple[Floats, Floats] | None = None
-) -> Floats:
+def curvatures(patch: Patch, u: Any, v: Any) -> Floats:
     """Principal curvatures (..., 2) [1/m], positive where the surface bends away from its normal.
 
     They are the eigenvalues of the Weingarten map, the derivative of the unit normal in the tangent
     plane. Source: do Carmo 1976, section 3-3.
     """
-    (E, F, G), (e, f, g) = _forms(patch, u, v, tangents)
+    (E, F, G), (e, f, g) = _forms(patch, u, v)
     determinant = E * G - F * F
     mean = (e * G - 2.0 * f * F + g * E) / (2.0 * determinant)
     gauss = (e * g - f * f) / determinant
@@ -192,17 +190,15 @@ def line_curvatures(patch: Patch, u: Any, v: Any) -> tuple[Floats, Floats]:
     return e / E, g / G
 
 
-def _forms(
-    patch: Patch, u: Any, v: Any, tangents: tuple[Floats, Floats] | None = None
-) -> tuple[tuple[Floats, ...], tuple[Floats, ...]]:
-    """First and second fundamental form: E, F, G and e, f, g; ``tangents`` if they are known."""
+def _forms(patch: Patch, u: Any, v: Any) -> tuple[tuple[Floats, ...], tuple[Floats, ...]]:
+    """First and second fundamental form: E, F, G and e, f, g."""
     u, v = np.broadcast_arrays(np.asarray(u, dtype=np.float64), np.asarray(v, np.float64))
     step = STEP
     low_u, high_u = np.clip(u - step, 0.0, 1.0), np.clip(u + step, 0.0, 1.0)
     low_v, high_v = (v - step, v + step)
     if not patch.closed:
         low_v, high_v = np.clip(low_v, 0.0, 1.0), np.clip(high_v, 0.0, 1.0)
-    by_u, by_v = patch.tangents(u, v) if tangents is None else tangents
+    by_u, by_v = patch.tangents(u, v)
     du_n = (patch.normal(high_u, v) - patch.normal(low_u, v)) / (high_u - low_u)[..., None]
     dv_n = (patch.normal(u, high_v) - patch.normal(u, low_v)) / (high_v - low_v)[..., None]
 
