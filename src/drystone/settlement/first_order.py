@@ -178,6 +178,8 @@ class SupportResponse(Answer):
         """How many joints open, or how far it was followed."""
         if self._steps is not None:
             return self._steps.title
+        if not self.result.stable:
+            return self.result.title
         count = len(self.open_joints())
         by = f", by up to {quantity(self._widest, 'm')}" if count else ""
         return f"Settled: {counted(count, 'joint')} open{'s' if count == 1 else ''}{by}"

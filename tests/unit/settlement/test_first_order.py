@@ -236,6 +236,8 @@ def test_a_structure_without_equilibrium_is_undecided() -> None:
     answer = support_response(Model(slope, touching_faces(slope, 0.3)), {0: (0.0, 0.0, -0.01)})
     assert answer.result.verdict is Verdict.UNDECIDED
     assert "balance" in answer.result.message
+    assert answer.title == answer.layers().stages[0].headline == answer.result.title
+    assert answer.title.startswith("Not decided")
 
 
 @pytest.mark.parametrize(
