@@ -297,7 +297,7 @@ def _ballast(asked: KnownNeeds) -> Proposals:
         rise = bench.motion[:own, :3] @ -acceleration_of(bench.local)
         share = np.round(rise / (np.abs(rise).max() or 1.0), 6)
         two = sorted((i for i in tops if share[i] > 0.0), key=lambda i: -share[i])[:2]
-        why = f"no weight up to {MOST:g} times its own on the free top of one block holds it"
+        why = f"no weight up to {MOST:g} times its own in the middle of one free top holds it"
         if own <= SEARCHED and len(two) > 1:
             both = f"{why}, or on each of the two that rise most"
             yield Tries([ballast_change(bench.local, own, {i: tops[i] for i in two})], both)

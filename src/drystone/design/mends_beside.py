@@ -178,7 +178,7 @@ def _buttress(bench: Bench, block: int, force: Floats, point: Floats) -> str:
     push, weight = math.hypot(*level), math.hypot(*_gravity(bench)) * blocks[block].density
     feet = _parted(bench, np.concatenate([blocks[i].vertices for i in bench.own]))[1]
     high = float(_parted(bench, point[None])[1][0] - feet.min())
-    if abs(rise) > _LEVEL * push or not weight or high <= 0.0:
+    if abs(rise) > _LEVEL * math.hypot(*force) or not weight or high <= 0.0:
         return ""
     across, _ = unit(np.cross(_gravity(bench), level))
     wide = min(float(np.ptp(blocks[block].vertices @ across)), 1.0)
