@@ -114,7 +114,7 @@ def mend(
     told = Told(mends, notes=notes, files=partial(pictures.of, mends))
     if apply is not None and stands:
         left = "no mend is made" if wanted.out is None else f"{wanted.out} is not written"
-        notes.append(f"{left}: no mend is needed")
+        notes.append(f"{left}: no mend is {'known' if mends.code else 'needed'}")
     elif apply is not None:
         with waiting.keywords(time_limit) as common, located("--apply"):
             made_some = mends.together(apply, options=chosen, **common)

@@ -327,6 +327,8 @@ def test_mend_says_that_a_model_stands(tmp_path: Path, capsys: pytest.CaptureFix
     assert "out.json is not written: no mend is needed" in told
     assert "it stands already: ask for a margin" in told
     assert "it stands: " not in told  # which says no more
+    assert main(["mend", str(path), "--apply", "1", "--time-limit", "1e-9"]) == 1
+    assert "no mend is made: no mend is known" in capsys.readouterr().out
 
 
 def test_a_diagnosis_has_the_verdict_of_the_check() -> None:
