@@ -185,10 +185,22 @@ def named(names: Sequence[str], most: int = FEW_NAMES) -> str:
     )
 
 
+def shown_of(count: int, most: int) -> int:
+    """How many of several lines or rows are shown: the first ones, or all where one is left.
+
+    Examples
+    --------
+    >>> shown_of(21, 20), shown_of(22, 20)
+    (21, 20)
+    """
+    return most + (count == most + 1)
+
+
 def first_of(
     lines: Sequence[str], more: str = "more like this", most: int = FEW_NAMES
 ) -> list[str]:
     """The first of several lines of one kind, and how many more there are."""
+    most = shown_of(len(lines), most)
     rest = len(lines) - most
     return [*lines[:most], *([f"and {rest} {more}"] if rest > 0 else [])]
 

@@ -15,7 +15,15 @@ import numpy as np
 
 from drystone.base import units as quantities
 from drystone.base.arrays import SAME, Ints, frozen, whole
-from drystone.base.display import BOUND, NAME, OneLine, rounded_down, rounded_up, shortened
+from drystone.base.display import (
+    BOUND,
+    NAME,
+    OneLine,
+    rounded_down,
+    rounded_up,
+    shortened,
+    shown_of,
+)
 from drystone.base.errors import InputError, counted, require
 from drystone.base.files import PathLike, write_text
 
@@ -223,8 +231,9 @@ class Table(OneLine):
         )
 
     def _repr_html_(self) -> str:
-        more = f"<div>and {len(self) - SHOWN} more</div>" if len(self) > SHOWN else ""
-        return f"<div>{self.take(range(min(len(self), SHOWN))).to_html()}{more}</div>"
+        shown = min(len(self), shown_of(len(self), SHOWN))
+        more = f"<div>and {len(self) - shown} more</div>" if len(self) > shown else ""
+        return f"<div>{self.take(range(shown)).to_html()}{more}</div>"
 
 
 def _column(values: Any) -> np.ndarray:

@@ -9,7 +9,7 @@ import sys
 from collections.abc import Sequence
 from typing import Any, TextIO
 
-from drystone.base.display import named
+from drystone.base.display import named, shown_of
 from drystone.base.errors import InputError, MissingDependency, clean
 
 BAD_INPUT, MISSING, FAULT, INTERRUPTED, CLOSED = 2, 3, 70, 130, 141
@@ -65,6 +65,7 @@ class Screen:
         from rich.table import Table
         from rich.text import Text
 
+        listed = shown_of(len(rows), listed)
         shown = [[clean(cell) for cell in row] for row in rows[:listed]]
         columns = [[name, *cells] for name, *cells in zip(head, *shown, strict=True)]
 

@@ -138,8 +138,8 @@ class Placement(OneLine):
         How it is placed: free, held or propped (:class:`drystone.sequence.Status`).
     robot
         The robot that places it; empty if no robots were given, or none can place it.
-    reach_left : [m]
-        What is left of the reach of that robot where the block is in place; infinite without limit.
+    reach_spare : [m]
+        What that robot could reach farther than to the block in place; infinite without limit.
     frame : (4, 4)
         Frame of the block in place.
     approach : (p, 4, 4)
@@ -170,7 +170,7 @@ class Placement(OneLine):
     name: str
     status: str
     robot: str
-    reach_left: float
+    reach_spare: float
     frame: Floats
     approach: Floats
     clearance: Floats
@@ -294,7 +294,7 @@ class Handling(Answer):
         """Robots, placements, holds and props; lengths in m, masses in kg, forces in N."""
         return {
             "format": "drystone-handling",
-            "version": 3,
+            "version": 4,
             "robots": plain(self.robots),
             "placements": [
                 {**plain(one), "props_removed": self.props_removed(one)} for one in self.placements
@@ -317,7 +317,7 @@ class Handling(Answer):
             for one in self.placements
         ]
         columns = {key: [row[key] for row in rows] for key in rows[0]} if rows else {"step": []}
-        units = dict.fromkeys(("reach_left", "at", "grip"), "m")
+        units = dict.fromkeys(("reach_spare", "at", "grip"), "m")
         units |= {"mass": "kg", "hold": "N", "tilt": "deg"}
         return [Table("handling", columns, {key: units[key] for key in columns if key in units})]
 
@@ -484,7 +484,7 @@ def _placed(
         name=body.name,
         status=plan.status[block].value,
         robot="" if robot is None else robot.name,
-        reach_left=np.inf if robot is None else robot.reach - float(robot.distance(body.centroid)),
+        reach_spare=np.inf if robot is None else robot.reach - float(robot.distance(body.centroid)),
         frame=frame,
         approach=approach,
         clearance=clearance,
@@ -508,7 +508,7 @@ def _row(one: Placement, hold: Hold | None, kept: str) -> dict[str, object]:
         "mass": one.mass,
         "at": tuple(one.frame[:3, 3].tolist()),
         "insertion": tuple(one.insertion.tolist()),
-        "reach_left": one.reach_left,
+        "reach_spare": one.reach_spare,
         "turning": one.turning,
         "poses": len(one.approach),
         "grip_faces": " ".join(str(grip.face) for grip in one.grips),

@@ -312,6 +312,10 @@ def test_a_load_on_each_of_many_blocks_does_not_bury_the_answer(
     assert main(["check", file(tmp_path, tower(8)), "--supports", "lowest", *loads]) == 0
     out, _ = capsys.readouterr()
     assert "and 3 more (--json lists all)" in out
+    assert main(["check", file(tmp_path, tower(8)), "--supports", "lowest", *loads[:10]]) == 0
+    out, _ = capsys.readouterr()
+    assert "block-5" in out.split("loads:")[1]  # one row alone is not folded
+    assert "more (--json" not in out
 
 
 def test_inspect_lists_blocks_defects_and_contacts(tmp_path: Path, capsys: Capsys) -> None:

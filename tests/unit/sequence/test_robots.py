@@ -276,7 +276,7 @@ def test_a_placement_says_how_a_cell_places_it(tmp_path):
         last = one.approach[-1, :3, 3] - one.approach[-2, :3, 3]
         np.testing.assert_allclose(one.insertion, last / np.linalg.norm(last))
         away = np.linalg.norm(one.frame[:3, 3] - np.array(robot.base))
-        assert one.reach_left == pytest.approx(robot.reach - away)
+        assert one.reach_spare == pytest.approx(robot.reach - away)
         assert one.props == tuple(found.model.assembly.names[b] for b in step.props)
         assert one.margins == known.stages[one.step - 1]
     assert "propped" in status.values()
