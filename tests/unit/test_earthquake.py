@@ -224,10 +224,14 @@ def test_combinations_shake_permanent_masses_and_the_share_of_variable_ones(
     assert any("40 kN of fill and 10 kN of loads" in one for one in told)
 
 
-STATIC = "passive pressure is taken as the static one (Mononobe-Okabe's is less)"
+PRESSED = (
+    "level pressure (earth, fill, water) does not grow with it: "
+    "k=active:30deg:0.1 is Mononobe-Okabe's at 0.1 g"
+)
+STATIC = "passive pressure is the one given (passive=passive:30deg:0.1 is less)"
 
 
-def test_every_answer_says_that_passive_pressure_in_an_earthquake_is_the_static_one(
+def test_every_answer_says_that_pressure_in_an_earthquake_is_the_one_given(
     tmp_path: Path,
 ) -> None:
     path, out = tmp_path / "cases.toml", tmp_path / "sheet.html"
@@ -245,11 +249,24 @@ def test_every_answer_says_that_passive_pressure_in_an_earthquake_is_the_static_
     ]
     for one in asked:
         said = [*(x.text for x in one.sentences()), *one.asked.notes]
-        assert any(x.endswith(STATIC) for x in said)
+        assert any(x.endswith(f"; {PRESSED}; {STATIC}") for x in said)
     write_report(asked[:1], out)
-    assert STATIC in unescape(out.read_text(encoding="utf-8"))
-    assert not any(STATIC in x for x in check(bridge, load=fill, seismic=0.1).asked.notes)
-    assert not any(STATIC in x for x in check(model).asked.notes)
+    assert f"{PRESSED}; {STATIC}" in unescape(out.read_text(encoding="utf-8"))
+    active = check(bridge, load=fill, seismic=0.1)
+    assert active.asked.notes[-1].endswith(PRESSED)
+    drystone.write(active, tmp_path / "pressed.json")
+    assert check(tmp_path / "pressed.json").asked.notes[-1].endswith(PRESSED)
+    assert not any("Mononobe" in x or STATIC in x for x in check(model).asked.notes)
+
+
+def test_the_pressure_of_earth_is_told_not_to_grow_where_all_else_that_presses_down_is_shaken() -> (
+    None
+):
+    wall, words = tower(3), "earth:side=-x,weight=18kN/m3,k=0.3,wall_friction=0.3"
+    found = check(wall, load=words, seismic=(0.01, 0.0), shaken=True)
+    assert found.asked.notes[-1].endswith(f"of loads; {PRESSED}")
+    snow = LoadCase.gravity(wall) + LoadCase.surface_load(wall, 2, 100.0, facing=(0.0, 0.0, 1.0))
+    assert told_of(wall, snow + LoadCase.seismic(wall, 0.01)).endswith("(--shaken)")
 
 
 def test_fill_is_no_weight_of_blocks_where_it_is_as_heavy_as_some(

@@ -535,6 +535,20 @@ def test_earth_presses_as_rankine_says_to_the_third_of_its_height() -> None:
     assert total[4] == pytest.approx(6e3 * 64.0 / 6.0)
 
 
+@pytest.mark.parametrize(("state", "sense"), [("active", 1.0), ("passive", -1.0)])
+def test_earth_in_an_earthquake_presses_as_the_worst_wedge_does(state: str, sense: float) -> None:
+    """Mononobe and Okabe: at 0.2 g, the least favourable of the plane slips behind a wall of 4 m.
+
+    A wedge above a slope s weighs 18 s 4^2 / 2 by width, and slides on its friction of 35 degrees.
+    """
+    slope = np.linspace(0.71, 6.0, 20_001)  # of a slip plane, across by up
+    weight = 18e3 * slope * 4.0**2 / 2.0
+    push = weight * (np.tan(np.arctan(1.0 / slope) - sense * np.radians(35.0)) + sense * 0.2)
+    worst = push.max() if state == "active" else push.min()
+    load = Earth.named(f"side=-x,weight=18kN/m3,k={state}:35deg:0.2").on(tower(4))
+    assert load.wrench[:, 0].sum() == pytest.approx(worst, rel=1e-6)
+
+
 def test_what_earth_presses_with_stands_in_the_name_of_a_load() -> None:
     earth = Earth.named("side=-x,weight=18kN/m3,k=active:30deg,wall_friction=20deg")
     told = "earth of 18 kN/m3 to 2 m on side -x with K 0.333"
@@ -714,6 +728,8 @@ def test_pressures_on_the_same_faces_are_added_in_their_picture() -> None:
         ("earth:side=-x,weight=18kN/m3,k=0.3,surcharge=10", "with a unit; write 10Pa, 10kPa"),
         ("earth:side=-x,weight=18kN/m3,k=active:30", "'30' is no angle; write active:30deg"),
         ("earth:side=-x,weight=18kN/m3,k=30deg", "'30deg' is an angle; write active:30deg"),
+        ("earth:side=-x,weight=18kN/m3,k=active:30deg:0.6", "by itself at 0.6 g; .* most 0.577"),
+        ("earth:side=-x,weight=18kN/m3,k=rest:30deg:0.1", "not rest; write active:30deg:0.1"),
         ("earth:side=-x,weight=18kN/m3,k=0.3,wall_friction=active:30deg", "is not a number"),
         ("earth:side=-x,weight=18kN/m3,k=0.3,surcharge=10kN/m20", "another unit; write 10kPa or"),
         ("earth:side=-x,weight=18kN/m3,k=0.3,surcharge=5psf", "use one of Pa, kPa, MPa, kN/m2"),

@@ -273,10 +273,13 @@ class Shaken(OneLine):
         By kind: blocks, fill, resisting fill, masses in kg, loads.
     still : [N]
         Downward forces that are not shaken.
+    pressed
+        Whether faces are pressed sideways, as by earth: an earthquake adds to that.
     """
 
     weights: Mapping[str, float]
     still: float
+    pressed: bool
 
     def _summary(self) -> str:
         return self.words
@@ -303,7 +306,9 @@ class Shaken(OneLine):
         applied = applied_loads(assembly, load.beside_masses)
         down = -np.minimum(applied.force[free[applied.block], 2], 0.0).sum()
         still = float(down) if down > 1e-6 * sum(weights.values()) else 0.0
-        return cls({name: one for name, one in weights.items() if one}, still)
+        push = 0.0 if load.surface is None else np.abs(load.surface.wrench[free, :2]).sum()
+        pressed = bool(push > 1e-6 * sum(weights.values()))
+        return cls({name: one for name, one in weights.items() if one}, still, pressed)
 
     @property
     def words(self) -> str:
@@ -312,8 +317,11 @@ class Shaken(OneLine):
         total = quantity(sum(self.weights.values()), "N")
         told = f"{total}: {', '.join(parts[:-1])} and {parts[-1]}" if parts[1:] else "".join(parts)
         more = f"; {quantity(self.still, 'N')} of forces are not (--shaken)" if self.still else ""
+        if self.pressed:
+            more += "; level pressure (earth, fill, water) does not grow with it: "
+            more += "k=active:30deg:0.1 is Mononobe-Okabe's at 0.1 g"
         if "resisting fill" in self.weights:
-            more += "; passive pressure is taken as the static one (Mononobe-Okabe's is less)"
+            more += "; passive pressure is the one given (passive=passive:30deg:0.1 is less)"
         return f"the earthquake shakes {told}{more}"
 
 

@@ -101,8 +101,8 @@ class Earth(Options):
         soil: list[float] = []
 
         def ratio(text: str) -> float:
-            size, angle = pressure_ratio(text), text.partition(":")[2]
-            soil.extend([units.coefficient(angle)] if angle else [])
+            size, angle = pressure_ratio(text), text.split(":")[1:2]
+            soil.extend(map(units.coefficient, angle))
             return size
 
         known: Mapping[str, Reader] = {

@@ -162,25 +162,42 @@ def grade(text: str) -> float:
 def pressure_ratio(text: str) -> float:
     """Horizontal by vertical pressure: a number, or ``active:``, ``rest:``, ``passive:30deg``.
 
-    Rankine 1857 for the active and the passive one of an angle of friction, Jaky 1944 at rest.
+    The active and the passive one of an angle of friction, for level earth on an upright smooth
+    wall, also in an earthquake, as ``active:30deg:0.1`` at 0.1 g: the horizontal acceleration by
+    that of gravity, times saturated by submerged weight below water. Jaky 1944 at rest.
+
+    Source: EN 1998-5, E.3 and E.4 (Mononobe and Okabe); Rankine 1857 without an earthquake.
 
     Examples
     --------
     >>> [round(pressure_ratio(f"{state}:30deg"), 3) for state in ("active", "rest", "passive")]
     [0.333, 0.5, 3.0]
+    >>> [round(pressure_ratio(f"{state}:30deg:0.1"), 3) for state in ("active", "passive")]
+    [0.397, 2.821]
     """
     state, colon, angle = text.partition(":")
     if not colon and text.endswith(units.ANGLES):
         raise InputError(f"'{text}' is an angle", remedy=f"write active:{text}, or the ratio")
     if not colon:
         return units.coefficient(text)
+    angle, shaken, share = angle.partition(":")
     if not angle.endswith(units.ANGLES):
         raise InputError(f"'{angle}' is no angle", remedy=f"write {state}:30deg")
-    sine = math.sin(math.atan(units.coefficient(angle)))
+    friction, level = units.coefficient(angle), units.coefficient(share) if shaken else 0.0
+    if level > friction:
+        what = f"level earth of {angle} slides by itself at {share} g"
+        raise InputError(what, remedy=f"give at most {friction:.3g}")
+    if shaken and state == "rest":
+        raise InputError(
+            "earth in an earthquake does not rest", remedy=f"write active:{angle}:{share}"
+        )
+    own, turn = math.atan(friction), math.atan(level)
+    side = math.sqrt(math.sin(own) * math.sin(own - turn) / math.cos(turn))
+    wedge = (math.cos(own - turn) / math.cos(turn)) ** 2
     known = {
-        "active": (1.0 - sine) / (1.0 + sine),
-        "rest": 1.0 - sine,
-        "passive": (1.0 + sine) / (1.0 - sine),
+        "active": wedge / (1.0 + side) ** 2,
+        "rest": 1.0 - math.sin(own),
+        "passive": wedge / (1.0 - side) ** 2,
     }
     if state not in known:
         raise InputError(f"'{state}' is no state of earth", remedy="active, rest or passive")
