@@ -12,6 +12,7 @@ from docutils.nodes import SkipNode
 from docutils.utils.math.latex2mathml import tex2mathml
 from sphinx.application import Sphinx
 from sphinx.ext.napoleon import NumpyDocstring
+from sphinx.util.inspect import stringify_signature
 from sphinx.util.nodes import make_refnode
 
 import drystone
@@ -20,7 +21,7 @@ HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE / "site"))
 import gallery
 from buttons import buttons
-from reference import write_reference
+from reference import described, linked, section, write_reference
 
 project = "drystone"
 author = "The drystone developers"
@@ -147,58 +148,21 @@ def back_from_code(*event):
     )
 
 
-SHARED = {
-    "given": "A model; or an assembly or a file that ``how`` turns into one.",
-    "check": "A function that gives the verdict on a model; that of drystone when left out.",
-    "how": "How a model is made of an assembly or a file: the keywords of :func:`drystone.read`.",
-}
-"""Parameters of many functions, where a function says nothing of them."""
-
-
-def linked(kind, called):
-    """An annotation of a function, with links to the classes of drystone in it."""
-
-    def link(match):
-        one = getattr(drystone, match[0], None) or called.__globals__.get(match[0])
-        ours = inspect.isclass(one) and one.__module__.startswith("drystone.")
-        return f":class:`{match[0]}`" if ours else match[0]
-
-    return re.sub(r"[A-Z]\w+", link, str(kind))
-
-
-def by_type(name, called):
-    """What a parameter is, where its name and its type say all: None where they do not."""
-    one = inspect.signature(called).parameters.get(name)
-    kind = "" if one is None else str(one.annotation)
-    if choices := re.search(r"Literal\[(.*?)\]", kind):
-        return "One of " + ", ".join(f"``{one.strip()}``" for one in choices[1].split(","))
-    classes = re.findall(":class:`.*?`", linked(kind, called))
-    return f"See {' or '.join(classes)}." if classes else None
-
-
 def shared_parameters(*event):
-    """A line for each parameter that is not described: one of all, or what its type says."""
+    """Parameters of a function, all of them and in its order."""
     _, what, _, called, _, lines = event
-    rules = [i for i, line in enumerate(lines) if re.fullmatch("-{3,}", line)]
-    if what != "function" or not rules or lines[rules[0] - 1] != "Parameters":
-        return
-    end = rules[1] - 1 if len(rules) > 1 else len(lines)
-    told, plain = set(), inspect.unwrap(called)
-    for at in reversed(range(rules[0] + 1, end)):
-        head, colon, _ = lines[at].partition(" : ")
-        if lines[at][:1] in ("", " "):
-            continue
-        names = [one.strip(" *") for one in head.split(",")]
-        told.update(names)
-        bare = not (colon or any(one[:1] == " " for one in lines[at + 1 : at + 2]))
-        said = SHARED.get(names[0]) or by_type(names[0], plain)
-        if bare and len(names) == 1 and said:
-            lines.insert(at + 1, f"    {said}")
-            end += 1
-    for name in inspect.signature(called).parameters:
-        if name in SHARED and name not in told:
-            lines[end:end] = [name, f"    {SHARED[name]}", ""]
-            end += 3
+    if what == "function" and "Parameters" in lines:
+        begin, end = section(lines)
+        told = described(called, lines).values()
+        lines[begin:end] = [*(line for one in told for line in one), ""]
+
+
+def own_arguments(*event):
+    """The signature of a class: autodoc finds that of its base, which takes and checks any."""
+    _, what, _, called, _, signature, _ = event
+    if what != "class" or not (signature or "").startswith("(*_"):
+        return None
+    return stringify_signature(inspect.signature(called), show_annotation=False), None
 
 
 def returned(*event):
@@ -244,6 +208,7 @@ def without_links(*event):
 def setup(app: Sphinx) -> None:
     """What Sphinx calls when the site is built."""
     app.connect("include-read", without_links)
+    app.connect("autodoc-process-signature", own_arguments)
     app.connect("autodoc-process-docstring", each_attribute, priority=390)
     app.connect("autodoc-process-docstring", whole_description, priority=400)
     app.connect("autodoc-process-docstring", shared_parameters, priority=400)

@@ -2,9 +2,12 @@
 
 import enum
 import inspect
+import re
 import textwrap
+from collections.abc import Callable, Sequence
 from importlib import import_module
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -106,6 +109,66 @@ def elsewhere(module: str, names: set[str]) -> list[str]:
 def titled(title: str, underline: str = "=") -> str:
     """A heading."""
     return f"{title}\n{underline * len(title)}\n\n"
+
+
+SHARED = {
+    "given": "A model; or an assembly or a file that ``how`` turns into one.",
+    "check": "A function that gives the verdict on a model; that of drystone when left out.",
+    "how": "How a model is made of an assembly or a file: the keywords of :func:`drystone.read`.",
+}
+"""Parameters of many functions, where a function says nothing of them."""
+
+
+def linked(kind: object, called: Callable[..., Any]) -> str:
+    """An annotation of a function, with links to the classes of drystone in it."""
+
+    def link(match: re.Match[str]) -> str:
+        one = getattr(drystone, match[0], None) or called.__globals__.get(match[0])
+        ours = inspect.isclass(one) and one.__module__.startswith("drystone.")
+        return f":class:`{match[0]}`" if ours else match[0]
+
+    return re.sub(r"[A-Z]\w+", link, str(kind))
+
+
+def by_type(name: str, called: Callable[..., Any]) -> str | None:
+    """What a parameter is, where its name and its type say all: None where they do not."""
+    one = inspect.signature(called).parameters.get(name)
+    kind = "" if one is None else str(one.annotation)
+    if choices := re.search(r"Literal\[(.*?)\]", kind):
+        return "One of " + ", ".join(f"``{one.strip()}``" for one in choices[1].split(","))
+    classes = re.findall(":class:`.*?`", linked(kind, called))
+    return f"See {' or '.join(classes)}." if classes else None
+
+
+def section(lines: Sequence[str]) -> tuple[int, int]:
+    """The first line of the parameters in a documentation, and the first one behind them."""
+    begin = lines.index("Parameters") + 2
+    rules = (i for i, line in enumerate(lines) if i > begin and re.fullmatch("-{3,}", line))
+    return begin, next(rules, len(lines) + 1) - 1
+
+
+def described(called: Callable[..., Any], lines: Sequence[str]) -> dict[tuple[str, ...], list[str]]:
+    """Lines of a documentation by the parameters that they describe, in the order of the function.
+
+    What is not described is what all functions say, or what its type says.
+    """
+    begin, end = section(lines)
+    entries: dict[tuple[str, ...], list[str]] = {}
+    for line in filter(None, lines[begin:end]):
+        if line[0] != " ":
+            head = line.partition(" : ")[0].split(",")
+            entry = entries[tuple(one.strip(" *") for one in head)] = []
+        entry.append(line)
+    order = [*inspect.signature(called).parameters]
+    told = {name for names in entries for name in names}
+    entries |= {(one,): [one] for one in order if one in SHARED and one not in told}
+    for (name, *others), entry in entries.items():
+        said = SHARED.get(name) or by_type(name, inspect.unwrap(called))
+        if said and not others and entry == [name]:
+            entry.append(f"    {said}")
+    place = {name: at for at, name in enumerate(order)}
+    ordered = sorted(entries, key=lambda names: place.get(names[0], len(place)))
+    return {names: entries[names] for names in ordered}
 
 
 def api(folder: Path) -> list[str]:

@@ -90,12 +90,28 @@ class Resultants(OneLine):
 
 
 def world_forces(contacts: Contacts, force: Floats) -> Floats:
-    """Corner forces (k, 3) in world axes, from those in the frames of their interfaces."""
+    """Corner forces (k, 3) in world axes, from those in the frames of their interfaces.
+
+    Parameters
+    ----------
+    contacts
+        The m interfaces, with k corners.
+    force : (k, 3)
+        At each corner, along n, u and v of its interface.
+    """
     return np.einsum("ki,kij->kj", force, contacts.frame[contacts.interface])
 
 
 def resultants_of(contacts: Contacts, force: Floats) -> Resultants:
-    """Resultants of corner forces (k, 3) [N], local n, u, v, on block b."""
+    """Resultants of corner forces (k, 3) [N], local n, u, v, on block b.
+
+    Parameters
+    ----------
+    contacts
+        The m interfaces, with k corners.
+    force : (k, 3) [N]
+        At each corner on block b, along n, u and v of its interface.
+    """
     interface, total = contacts.interface, contacts.corners.sum
     n = contacts.frame[:, 0]
     world = world_forces(contacts, force)
@@ -191,6 +207,19 @@ def joint_table(
     """The table of :meth:`drystone.Result.joints`, from the values of interfaces.
 
     A tie has no eccentricity and no pressure.
+
+    Parameters
+    ----------
+    contacts
+        The m interfaces, with k corners.
+    names
+        Of all blocks, by their numbers.
+    resultants
+        Of the interfaces; see :func:`resultants_of`.
+    utilisation : (m,)
+        Share of the friction that each interface uses.
+    crushing : (m,)
+        Share of the strength that each interface uses; left out, zero.
     """
     resultants, utilisation = by_joint(contacts, resultants, utilisation)
     strength_use = np.zeros(contacts.joints.count)
@@ -236,6 +265,13 @@ def worst_joints(table: Table, count: int = 10) -> Ints:
     """Rows of a joint table nearest to sliding or to forming a hinge, worst first.
 
     Those that carry hardly anything come last.
+
+    Parameters
+    ----------
+    table
+        As :func:`joint_table` gives it.
+    count
+        Largest number of rows.
     """
     use, normal = np.maximum(table["friction_use"], table["edge_ratio"]), table["normal"]
     faint = normal <= FAINT * normal.max(initial=0.0)
@@ -263,7 +299,19 @@ class ThrustLine(OneLine):
 def thrust_line(
     assembly: Assembly, contacts: Contacts, resultants: Resultants, blocks: Blocks | None = None
 ) -> ThrustLine:
-    """The line of :meth:`drystone.Result.thrust_line`."""
+    """The line of :meth:`drystone.Result.thrust_line`.
+
+    Parameters
+    ----------
+    assembly
+        The blocks that the contacts are of.
+    contacts
+        The m interfaces, with k corners.
+    resultants
+        Of the interfaces; see :func:`resultants_of`.
+    blocks
+        Names or numbers along the line, in order; left out, those of :func:`chain`.
+    """
     order = chain(assembly, contacts) if blocks is None else assembly.indices(blocks).tolist()
     if not order:
         raise InputError("no blocks are given", remedy="give those along the line, in their order")
@@ -286,7 +334,15 @@ def thrust_line(
 
 
 def hinged(contacts: Contacts, resultants: Resultants) -> Bools:
-    """Whether each joint (m,) is a hinge: it has an area, and its resultant acts on the rim."""
+    """Whether each joint (m,) is a hinge: it has an area, and its resultant acts on the rim.
+
+    Parameters
+    ----------
+    contacts
+        The m interfaces, with k corners.
+    resultants
+        Of the interfaces; see :func:`resultants_of`.
+    """
     rim, area = eccentricity(contacts, resultants)
     return resultants.loaded & (area > 0.0) & (rim > HINGED)
 
@@ -393,7 +449,15 @@ def _held_without(assembly: Assembly, contacts: Contacts, joints: Ints) -> Bools
 
 
 def corner_pressure(contacts: Contacts, force: Floats) -> Floats:
-    """Pressure (k,) [Pa]: normal force of each corner by its share of the area; 0 without area."""
+    """Pressure (k,) [Pa]: normal force of each corner by its share of the area; 0 without area.
+
+    Parameters
+    ----------
+    contacts
+        The m interfaces, with k corners.
+    force : (k, 3) [N]
+        At each corner on block b, along n, u and v of its interface.
+    """
     area = contacts.tributary
     return np.divide(force[:, 0], area, out=np.zeros(len(area)), where=area > 0.0)
 
@@ -447,6 +511,15 @@ class ForceNetwork(OneLine):
 def force_network(assembly: Assembly, contacts: Contacts, resultants: Resultants) -> ForceNetwork:
     """The force network of resultants, through joints; ties have no part in it.
 
+    Parameters
+    ----------
+    assembly
+        The blocks that the contacts are of.
+    contacts
+        The m interfaces, with k corners.
+    resultants
+        Of the interfaces; see :func:`resultants_of`.
+
     Examples
     --------
     >>> import drystone
@@ -476,6 +549,13 @@ def force_network(assembly: Assembly, contacts: Contacts, resultants: Resultants
 
 def chain(assembly: Assembly, contacts: Contacts) -> list[int]:
     """Blocks of a model in which each block touches only the previous and the next one.
+
+    Parameters
+    ----------
+    assembly
+        The blocks that the contacts are of.
+    contacts
+        The m interfaces, with k corners.
 
     Raises
     ------

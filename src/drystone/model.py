@@ -447,7 +447,13 @@ class Model(Card):
 
 
 def up_of_load(load: Any) -> tuple[float, float, float]:
-    """The axis (3,) that points up under a load; z unless it is an acceleration."""
+    """The axis (3,) that points up under a load; z unless it is an acceleration.
+
+    Parameters
+    ----------
+    load
+        An acceleration (3,) [m/s2], or any other load.
+    """
     if isinstance(load, Sequence | np.ndarray) and np.shape(load) == (3,) and np.any(load):
         return up_of(frozen_floats(load, (3,), "the load").tolist())
     return UP

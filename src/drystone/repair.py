@@ -200,6 +200,7 @@ def mended_block(
     faces
         Loops of vertex indices.
     name
+        Of the block.
     density : [kg/m3]
     merge : >= 0, <= 0.01
         Distance relative to the size of the block.
@@ -372,6 +373,7 @@ def support_from_surface(
     blocks
         Those that rest on it.
     name
+        Of the block.
     density : [kg/m3]
 
     Returns
@@ -408,6 +410,11 @@ def split_components(assembly: Assembly) -> Assembly:
     A part is a closed surface with the cavities in it; a surface that is inside out is turned. The
     parts of ``x`` are called ``x-0``, ``x-1``, ... and keep its density, metadata and support;
     ``repairs`` says what was done.
+
+    Parameters
+    ----------
+    assembly
+        Is not changed.
 
     Examples
     --------

@@ -31,7 +31,13 @@ JointSections = tuple[Floats, Floats, Sections]
 
 
 def local_corners(contacts: Contacts) -> tuple[Floats, Floats]:
-    """Mean corner (m, 3) [m] of every interface, and the corners (k, 2) about it along u and v."""
+    """Mean corner (m, 3) [m] of every interface, and the corners (k, 2) about it along u and v.
+
+    Parameters
+    ----------
+    contacts
+        The m interfaces, with k corners.
+    """
     if contacts.count == 0:
         return np.zeros((0, 3)), np.zeros((0, 2))
     origin = contacts.corners.mean(contacts.point)
@@ -41,13 +47,25 @@ def local_corners(contacts: Contacts) -> tuple[Floats, Floats]:
 
 
 def joint_sections(contacts: Contacts) -> JointSections:
-    """Mean corners (m, 3), corners about them (k, 2), and the moments of every interface."""
+    """Mean corners (m, 3), corners about them (k, 2), and the moments of every interface.
+
+    Parameters
+    ----------
+    contacts
+        The m interfaces, with k corners.
+    """
     origin, flat = local_corners(contacts)
     return origin, flat, sections(flat, contacts.corners)
 
 
 def section_centroids(contacts: Contacts) -> Floats:
-    """Centroid (m, 3) [m] of the area of every interface."""
+    """Centroid (m, 3) [m] of the area of every interface.
+
+    Parameters
+    ----------
+    contacts
+        The m interfaces, with k corners.
+    """
     origin, _, made = joint_sections(contacts)
     return origin + np.einsum("mi,mij->mj", made.centroid, contacts.frame[:, 1:])
 
@@ -58,6 +76,7 @@ def shrink(contacts: Contacts, factor: float, interfaces: _Choice = None) -> Con
     Parameters
     ----------
     contacts
+        The m interfaces, with k corners.
     factor : >= 0, <= 1
         From 0 (a point) to 1 (unchanged).
     interfaces
@@ -80,6 +99,7 @@ def shift(
     Parameters
     ----------
     contacts
+        The m interfaces, with k corners.
     direction : (3,) or (m, 3)
         One for all, or one for each interface; its component in the plane of the interface counts.
     factor : >= 0, <= 1
@@ -122,12 +142,15 @@ def towards_extrados(
     Parameters
     ----------
     contacts
+        The m interfaces, with k corners.
     centre : (3,) [m]
         A point on the axis.
     axis : (3,) or None
         Along the axis of an arch or a barrel; ``None`` for a dome, which curves about a point.
     factor : >= 0, <= 1
+        Remaining share of the extent: 0 keeps only the edge.
     interfaces
+        Which, by number or a mask (m,); all when left out.
     """
     return shift(contacts, _outwards(contacts, centre, axis), factor, interfaces)
 
@@ -135,22 +158,62 @@ def towards_extrados(
 def towards_intrados(
     contacts: Contacts, centre: Any, axis: Any, factor: float, interfaces: _Choice = None
 ) -> Contacts:
-    """Interfaces compressed towards the side near an axis; see :func:`towards_extrados`."""
+    """Interfaces compressed towards the side near an axis; see :func:`towards_extrados`.
+
+    Parameters
+    ----------
+    contacts
+        The m interfaces, with k corners.
+    centre : (3,) [m]
+        A point on the axis.
+    axis : (3,) or None
+        Along the axis of an arch or a barrel; ``None`` for a dome, which curves about a point.
+    factor : >= 0, <= 1
+        Remaining share of the extent: 0 keeps only the edge.
+    interfaces
+        Which, by number or a mask (m,); all when left out.
+    """
     return shift(contacts, -_outwards(contacts, centre, axis), factor, interfaces)
 
 
 def to_edge(contacts: Contacts, direction: Any, interfaces: _Choice = None) -> Contacts:
-    """Interfaces reduced to the edge that lies farthest along a direction; see :func:`shift`."""
+    """Interfaces reduced to the edge that lies farthest along a direction; see :func:`shift`.
+
+    Parameters
+    ----------
+    contacts
+        The m interfaces, with k corners.
+    direction : (3,) or (m, 3)
+        One for all, or one for each interface; its component in the plane of the interface counts.
+    interfaces
+        Which, by number or a mask (m,); all when left out.
+    """
     return shift(contacts, direction, 0.0, interfaces)
 
 
 def to_point(contacts: Contacts, interfaces: _Choice = None) -> Contacts:
-    """Interfaces reduced to their centroids."""
+    """Interfaces reduced to their centroids.
+
+    Parameters
+    ----------
+    contacts
+        The m interfaces, with k corners.
+    interfaces
+        Which, by number or a mask (m,); all when left out.
+    """
     return shrink(contacts, 0.0, interfaces)
 
 
 def to_kern(contacts: Contacts, interfaces: _Choice = None) -> Contacts:
-    """Interfaces reduced to their kerns: a force there puts the whole joint in compression."""
+    """Interfaces reduced to their kerns: a force there puts the whole joint in compression.
+
+    Parameters
+    ----------
+    contacts
+        The m interfaces, with k corners.
+    interfaces
+        Which, by number or a mask (m,); all when left out.
+    """
     mask = _mask(contacts, interfaces)
     origin, flat = local_corners(contacts)
     loops = [flat[contacts.start[i] : contacts.start[i + 1]] for i in range(contacts.count)]

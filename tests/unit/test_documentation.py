@@ -2,6 +2,8 @@
 
 import contextlib
 import csv
+import importlib
+import inspect
 import pkgutil
 import re
 import runpy
@@ -274,6 +276,32 @@ def test_the_reference_has_every_public_name() -> None:
     assert {m: reference["public"](m, seen) for m in modules if m not in WITH_AN_EXTRA} == {
         m: [] for m in modules if m not in WITH_AN_EXTRA
     }
+
+
+def test_the_reference_says_of_each_parameter_of_a_public_function_what_it_is() -> None:
+    """In words, by its shape and unit, or by a link to its class."""
+    reference = runpy.run_path(str(ROOT / "docs" / "site" / "reference.py"))
+    seen: set[int] = set()
+    silent = []
+    for module in (one for modules in reference["ROOMS"].values() for one in modules):
+        for name in reference["public"](module, seen):
+            value = getattr(importlib.import_module(module), name)
+            if not inspect.isfunction(value):
+                continue
+            lines = (inspect.getdoc(value) or "").splitlines()
+            entries = reference["described"](value, lines) if "Parameters" in lines else {}
+            said = {
+                one
+                for names, (head, *words) in entries.items()
+                for one in names
+                if words or " : " in head
+            }
+            silent += [
+                f"{module}.{name}: {one}"
+                for one in inspect.signature(value).parameters
+                if one not in said
+            ]
+    assert silent == []
 
 
 def test_the_page_of_models_has_every_family() -> None:

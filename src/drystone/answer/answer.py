@@ -208,13 +208,25 @@ class Statement(WithoutModel):
 
 
 def worst_first(answers: Iterable[Answer]) -> list[Answer]:
-    """Answers with bad news before what is not decided, and good news last."""
+    """Answers with bad news before what is not decided, and good news last.
+
+    Parameters
+    ----------
+    answers
+        In any order; equally good ones keep theirs.
+    """
     order = (Role.BAD, Role.UNSURE)
     return sorted(answers, key=lambda one: (*order, one.news).index(one.news))
 
 
 def plain(value: Any) -> Any:
     """The same with values that JSON knows; numbers that are not finite become ``None``.
+
+    Parameters
+    ----------
+    value
+        A number, text, array, enumeration or dataclass, or lists and dictionaries of these;
+        anything else becomes its text.
 
     Examples
     --------

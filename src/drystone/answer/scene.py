@@ -61,10 +61,15 @@ class State(enum.IntEnum):
     ABSENT = 0
     """Not placed yet: not drawn."""
     FREE = 1
+    """Placed, and neither fixed, held nor propped."""
     SUPPORT = 2
+    """Fixed."""
     FALLING = 3
+    """It needs help."""
     HELD = 4
+    """A hand or a robot holds it."""
     PROPPED = 5
+    """A prop holds it at this stage."""
     LATER = 6
     """Placed, and propped at a later stage: hatched."""
     COMING = 7
@@ -90,7 +95,9 @@ class MarkerShape(enum.Enum):
     """Of markers: told apart without their colour."""
 
     DISC = "disc"
+    """A dot; a ball in space."""
     DIAMOND = "diamond"
+    """A square on its corner; an octahedron in space."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -31,6 +31,7 @@ class Role(enum.Enum):
     UNSURE = "unsure"
     """The verdict: not decided."""
     PLAIN = "plain"
+    """Anything else."""
     REMARK = "remark"
     """Something to bear in mind."""
 

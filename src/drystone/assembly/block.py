@@ -166,7 +166,15 @@ class Block(OneLine):
 
 
 def replace_block(block: Block, **changes: Any) -> Block:
-    """A copy of ``block`` with some of its arguments changed."""
+    """A copy of ``block`` with some of its arguments changed.
+
+    Parameters
+    ----------
+    block
+        Is not changed.
+    changes
+        New values of arguments of :class:`Block`, by their names.
+    """
     arguments = {
         key: getattr(block, key)
         for key in ("vertices", "faces", "name", "density", "metadata", "repairs", "checked")

@@ -122,6 +122,7 @@ def rbe_solve(
     assembly
         Changed in place: ``interface.forces``.
     mu
+        Friction coefficient of all joints.
     density
         Where a block has no density of its own.
     verbose, timer
@@ -160,6 +161,7 @@ def cra_solve(
     assembly
         Changed in place: ``interface.forces`` and, at free nodes, ``displacement``.
     mu
+        Friction coefficient of all joints.
     density
         Where a block has no density of its own.
     d_bnd, eps
@@ -239,6 +241,7 @@ def cra_view(
     Parameters
     ----------
     assembly
+        As for a solver, solved or not.
     interfaces, forces, resultant, nodal, displacements
         What is shown at first of interfaces, all forces, resultants, forces at corners and virtual
         displacements.

@@ -47,12 +47,19 @@ class JointMotion(enum.Enum):
     """The first motion of a block relative to a neighbour."""
 
     STAYS = "stays on"
+    """The corners of the joint hardly move against each other."""
     CRUSHES = "moves by crushing on"
+    """They approach each other where the joint is as full as its strength lets it be."""
     SLIDES = "slides along"
+    """The face moves along the other without opening."""
     TURNS = "turns about the normal of its joint with"
+    """It slides, and one point of the face stays where it is."""
     HINGES = "hinges about an edge of"
+    """The joint opens, but for an edge or a corner."""
     DROPS = "drops away from"
+    """The joint opens everywhere, and the block moves down from under its neighbour."""
     LIFTS = "lifts off"
+    """The joint opens everywhere, and the block moves in any other direction."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -29,9 +29,13 @@ class ShapeAim(enum.Enum):
     """What a shape is changed for."""
 
     STAND = "stand"
+    """The least share of the load that needs help."""
     VOLUME = "volume"
+    """The least volume [m3] with which it stands at the margin."""
     REACH = "reach"
+    """The farthest reach [m] with which it stands at the margin."""
     TILT = "tilt"
+    """The largest tilt [degrees] to each of four sides at which it stands."""
 
 
 MEASURES = {

@@ -399,6 +399,15 @@ def thickening(model: Model, middle: Sequence[float], most: float) -> Moves:
     Vertices of free blocks that are farther from the line than the mean move outward by half of it,
     nearer ones inward; vertices of fixed blocks at the same places go with them.
 
+    Parameters
+    ----------
+    model
+        Is not changed.
+    middle : (3,) [m]
+        A point on the line; its y has no effect.
+    most : [m]
+        Largest size of the variable.
+
     Raises
     ------
     InputError
@@ -421,7 +430,19 @@ def thickening(model: Model, middle: Sequence[float], most: float) -> Moves:
 def block_moves(
     model: Model, blocks: Sequence[int | str], direction: Sequence[float], most: float
 ) -> Moves:
-    """One variable for each block, which moves as a whole along a direction (3,)."""
+    """One variable for each block, which moves as a whole along a direction (3,).
+
+    Parameters
+    ----------
+    model
+        Is not changed.
+    blocks
+        Names or numbers of the blocks that move, p of them.
+    direction : (3,)
+        Of any length.
+    most : [m]
+        Largest size of each variable.
+    """
     along = unit(np.asarray(direction, dtype=np.float64), "the direction")
     owner = owners_of(model.assembly)
     some = model.assembly.indices(list(blocks))

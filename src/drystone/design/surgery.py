@@ -71,7 +71,21 @@ class Cut(OneLine):
 def tilted_cuts(
     point: Floats, normal: Floats, edge: Floats, tilts_deg: Sequence[float], wedge_deg: float = 0.0
 ) -> tuple[Cut, ...]:
-    """The cut rotated by several angles about an edge through its point."""
+    """The cut rotated by several angles about an edge through its point.
+
+    Parameters
+    ----------
+    point : (3,) [m]
+        On the edge.
+    normal : (3,)
+        Of the cut before it is rotated, of any length.
+    edge : (3,)
+        Direction of the edge, of any length.
+    tilts_deg : (t,) [degrees]
+        Angles, counter-clockwise about the edge; one cut for each.
+    wedge_deg : [degrees]
+        Of each cut; see :class:`Cut`.
+    """
     axis, base = unit(edge, "edge"), unit(normal, "normal")
     return tuple(
         Cut(point, rotation_about(axis, tilt) @ base, wedge_deg, axis) for tilt in tilts_deg
@@ -80,6 +94,13 @@ def tilted_cuts(
 
 def split_block(block: Block, cut: Cut) -> tuple[list[Block], list[Block]]:
     """The pieces above and below a cut, as blocks with names derived from the whole.
+
+    Parameters
+    ----------
+    block
+        The whole; it is not changed.
+    cut
+        Plane or wedge; its normal points to what is above.
 
     Raises
     ------
@@ -116,7 +137,19 @@ def _blocks(pieces: Sequence[Piece], whole: Block, side: str) -> list[Block]:
 
 
 def cut_block(model: Model, block: int | str, point: Floats, normal: Floats) -> Model:
-    """The model with a block cut in two by a plane; the part in front becomes a new block."""
+    """The model with a block cut in two by a plane; the part in front becomes a new block.
+
+    Parameters
+    ----------
+    model
+        Is not changed.
+    block
+        Name or number of the one that is cut.
+    point : (3,) [m]
+        On the plane.
+    normal : (3,)
+        Of the plane, of any length: towards the part that becomes a new block.
+    """
     i = int(model.assembly.indices([block])[0])
     body = model.assembly.blocks[i]
     front, behind = split_block(body, Cut(point, normal))
@@ -131,6 +164,13 @@ def cut_block(model: Model, block: int | str, point: Floats, normal: Floats) -> 
 
 def merge_blocks(model: Model, one: int | str, other: int | str) -> Model:
     """The model with two touching blocks merged into one, as if glued, with the first name.
+
+    Parameters
+    ----------
+    model
+        Is not changed.
+    one, other
+        Names or numbers. The merged block has the name of the first; it is fixed if one of them is.
 
     Raises
     ------
@@ -171,6 +211,7 @@ def move_face(model: Model, block: int | str, face: int, distance: float) -> Mod
     ----------
     model
     block
+        Its name or number.
     face
         Its number; ``faces_toward`` finds it.
     distance : [m]
@@ -195,8 +236,19 @@ def thicken_blocks(
 
     The thickness of a block is between the two largest faces that are in no joint and look away
     from each other; each of them is moved by half of it, or the other one by all of it where earth
-    or fill presses on one of most of them. ``axes`` (b, 3) are axes about which the blocks turn:
-    their thickness is across these, where they have faces there.
+    or fill presses on one of most of them.
+
+    Parameters
+    ----------
+    model
+        Is not changed.
+    blocks
+        Numbers of the blocks, b of them.
+    share
+        Of their thickness, such as 0.1 for a tenth more; below zero they become thinner.
+    axes : (b, 3)
+        Axes about which the blocks turn: their thickness is across these, where they have faces
+        there. Left out, none.
 
     Raises
     ------
@@ -359,13 +411,30 @@ def face_planes(block: Block) -> tuple[Floats, Floats]:
 
 
 def faces_toward(block: Block, direction: Floats) -> list[int]:
-    """Faces of a block whose normals are within 45 degrees of a direction, the nearest first."""
+    """Faces of a block whose normals are within 45 degrees of a direction, the nearest first.
+
+    Parameters
+    ----------
+    block
+        Whose faces are looked at.
+    direction : (3,)
+        Of any length.
+    """
     cosine = face_planes(block)[0] @ unit(direction)
     return [k for k in np.argsort(-cosine, kind="stable").tolist() if cosine[k] > 0.7]
 
 
 def insert_block(model: Model, block: Block, *, fixed: bool = False) -> Model:
     """The model with an additional block and its contacts.
+
+    Parameters
+    ----------
+    model
+        Is not changed.
+    block
+        The new one, in its place.
+    fixed
+        Whether it is a support.
 
     Raises
     ------
@@ -389,6 +458,7 @@ def turn_joint(
     ----------
     model
     interface
+        Number of an interface of the joint.
     angle : [degrees] > -80, < 80
         Counter-clockwise about the axis.
     axis : (3,), optional
@@ -432,10 +502,13 @@ def still_edge(model: Model, interface: int, side: float, first: int | None = No
 
     Parameters
     ----------
-    model, interface
+    model
+    interface
+        Number of an interface of the joint.
     side
         Sign of the angle.
     first
+        Which of the two blocks is block a; left out, that of the contacts.
     """
     joint = joint_plane(model, interface, first)
     ends = ends_of(model, joint)
@@ -446,6 +519,17 @@ def move_joint(model: Model, interface: int, distance: float, first: int | None 
     """The model with a joint moved along its normal, into block b where ``distance`` [m] > 0.
 
     If block b extends beyond the joint, block a is let into it.
+
+    Parameters
+    ----------
+    model
+        Is not changed.
+    interface
+        Number of an interface of the joint.
+    distance : [m]
+        Into block b where it is above zero, into block a below.
+    first
+        Which of the two blocks is block a; left out, that of the contacts.
     """
     return recut(model, [move_cut(joint_plane(model, interface, first), distance)])
 
@@ -469,6 +553,7 @@ def wedge_joint(
     ----------
     model
     interface
+        Number of an interface of the joint.
     sharpness : [degrees] > -80, < 80
         Angle of each plane with the joint. Above zero, block a is the wedge and block b the groove.
     axis : (3,), optional
@@ -505,6 +590,7 @@ def key_joint(
     ----------
     model
     interface
+        Number of an interface of the joint.
     depth : [m] > 0
     share : > 0, < 1
         Width of the key by that of the joint.
@@ -532,6 +618,7 @@ def hook_joint(
     ----------
     model
     interface
+        Number of an interface of the joint.
     depth : [m] > 0
     undercut : [degrees]
         Inclination of the face in the middle over block b: the hook then carries tension.

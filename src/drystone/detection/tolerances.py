@@ -23,21 +23,14 @@ blocks."""
 
 
 class EdgeContacts(StrEnum):
-    """Which blocks are searched for contacts along an edge or at a corner.
-
-    Attributes
-    ----------
-    ISOLATED
-        Blocks without a face contact, such as a block that stands on an edge or a corner.
-    ALWAYS
-        Every pair of blocks without a face contact.
-    NEVER
-        Face contacts only.
-    """
+    """Which blocks are searched for contacts along an edge or at a corner."""
 
     ISOLATED = "isolated"
+    """Blocks without a face contact, such as a block that stands on an edge or a corner."""
     ALWAYS = "always"
+    """Every pair of blocks without a face contact."""
     NEVER = "never"
+    """Face contacts only."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -127,12 +120,19 @@ class Reason(StrEnum):
     """Why two faces that nearly touch were not joined."""
 
     GAP = "too far apart"
+    """The gap between them is above the tolerance."""
     OVERLAP = "too deep in each other"
+    """They are in each other by more than the tolerance."""
     ANGLE = "not parallel enough"
+    """The angle between them is above the tolerance."""
     WARP = "too warped"
+    """A face is farther from its plane than the tolerance."""
     SLIVER = "overlap too narrow"
+    """What they share is narrower than the option ``sliver``."""
     HIDDEN = "another block lies between"
+    """Another block is in the gap between them."""
     PARTLY = "within tolerance on a part only"
+    """They were joined on the part that is within the tolerance; the rest is told."""
 
 
 @dataclass(frozen=True)

@@ -180,6 +180,7 @@ def read(path: Paths, *, progress: Progress | None = None, **reading: Unpack[How
     max_size : [MiB] > 0
         Largest file that is read (64).
     progress
+        Called as ``progress(stage, done, total)``, with 0 <= done <= total.
 
     Raises
     ------

@@ -160,6 +160,15 @@ def format_of(path: PathLike, name: str | None = None, *, writing: bool = False)
 
     Where there is none, the error names the suffixes that can be read, or written.
 
+    Parameters
+    ----------
+    path
+        Its suffix counts, in capitals or not.
+    name
+        Of a format; left out, the suffix decides.
+    writing
+        Whether the error names the suffixes that can be written.
+
     Raises
     ------
     FormatError
@@ -211,7 +220,13 @@ class FileOptions(TypedDict, total=False):
 
 
 def files_at(path: Paths) -> tuple[Path, ...]:
-    """The files that a path stands for: itself, those of a folder, or those of a pattern."""
+    """The files that a path stands for: itself, those of a folder, or those of a pattern.
+
+    Parameters
+    ----------
+    path
+        A file, a folder, a pattern such as ``parts/*.obj``, or a list of files.
+    """
     return tuple(_files_at(path)[0])
 
 
@@ -275,7 +290,15 @@ def read_file(
 
 @checked_call
 def inspect(path: Paths, *, supports: str | None = None, **how: Unpack[FileOptions]) -> Built:
-    """Read the usable blocks, and every defect of the others; see :func:`read_file`."""
+    """Read the usable blocks, and every defect of the others; see :func:`read_file`.
+
+    Parameters
+    ----------
+    path
+        As in :func:`read_file`.
+    supports
+        Which blocks will be fixed, as text; left out, those that the file marks as fixed.
+    """
     with one_line_errors():
         draft, units, rest = _draft(path, **how)
         built = try_blocks(draft, place_of(path), units, supports=supports, **rest)

@@ -313,7 +313,17 @@ def _draws(
 def imperfect(
     contacts: Contacts, imperfections: Imperfections, seed: int | np.random.SeedSequence
 ) -> Contacts:
-    """One draw of imperfect joints."""
+    """One draw of imperfect joints.
+
+    Parameters
+    ----------
+    contacts
+        Joints as they are drawn.
+    imperfections
+        How far joints may be from the drawing.
+    seed
+        Of the random numbers: the same seed gives the same draw.
+    """
     rng = np.random.default_rng(seed)
     m = contacts.count
     friction = contacts.friction

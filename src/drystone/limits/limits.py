@@ -253,7 +253,12 @@ def limit_shrink(
     """The least share of the size of all joints at which it stands; see :func:`limit_tilt`.
 
     Its inverse is a geometric safety factor, after Heyman 1982: the size of the joints divided by
-    the required size. The default width is 0.001.
+    the required size.
+
+    Parameters
+    ----------
+    options
+        The default width is 0.001.
     """
     means = Means(check, LimitOptions.of(options), Clock.of(how))
     family = Shrunk(supported_model(given, **how))
@@ -270,8 +275,12 @@ def limit_strength(
 ) -> Limit:
     """The least share of the strengths of all joints at which it stands; see :func:`limit_tilt`.
 
-    All that joints carry beyond friction, and what crushes them, is multiplied by it. The default
-    width is 0.001.
+    All that joints carry beyond friction, and what crushes them, is multiplied by it.
+
+    Parameters
+    ----------
+    options
+        The default width is 0.001.
 
     Raises
     ------

@@ -196,14 +196,16 @@ def tilt_sweep(
 ) -> TiltSweep:
     """The tilt limit towards equally spaced directions.
 
-    Other parameters are as in :func:`limit_tilt`.
-
     Parameters
     ----------
     given
         A model; or an assembly or a file that ``how`` turns into one.
     directions : >= 1
         Number of azimuths, the first along x: the assembly leans towards each of them.
+    upper : [degrees] > 0, <= 360
+        Largest angle of each search.
+    options
+        Of each limit: the default width is 0.05 degree.
     """
     azimuth = 360.0 * np.arange(directions) / directions
     angle = np.deg2rad(azimuth)

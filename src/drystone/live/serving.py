@@ -160,6 +160,7 @@ def serve(model: str | Path, *, began: Callable[[Live], None], **how: Any) -> No
     Parameters
     ----------
     model
+        File, as for :class:`Live`.
     began
         Called once it listens.
     how

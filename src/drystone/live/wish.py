@@ -203,7 +203,15 @@ def _load_name(load: LoadCase, wish: Wish) -> str:
 
 @checked_call
 def more_gravity(model: Model, gravity: float) -> LoadCase:
-    """What is to be added to the load of a model so that gravity has another size [m/s2]."""
+    """What is to be added to the load of a model so that gravity has another size [m/s2].
+
+    Parameters
+    ----------
+    model
+        With the load as it is.
+    gravity : [m/s2]
+        The size that is wanted.
+    """
     acceleration = acceleration_of(model)
     size = float(np.linalg.norm(acceleration))
     down = DOWN if size == 0.0 else acceleration

@@ -87,8 +87,29 @@ def buttressed_arch(
 ) -> Assembly:
     """A semicircular arch on two free-standing buttresses, the lowest block of each fixed.
 
-    Lengths in m, density in kg/m3. The buttresses are centred under the feet. With the defaults the
-    least friction is 0.31 and the tilt limit about y 12 degrees (Whiting et al. 2009; Kao 2022).
+    The buttresses are centred under the feet. With the defaults the least friction is 0.31 and the
+    tilt limit about y 12 degrees (Whiting et al. 2009; Kao 2022).
+
+    Parameters
+    ----------
+    inner_radius : [m]
+        Of the intrados.
+    thickness : [m]
+        Of the arch, at most ``buttress_width``.
+    depth : [m]
+        Of the arch along y, at most ``buttress_depth``.
+    voussoirs
+        Number of them, two or more.
+    buttress_width : [m]
+        Along x.
+    buttress_height : [m]
+        From the ground to the springing.
+    buttress_depth : [m]
+        Along y.
+    courses
+        Blocks of each buttress, two or more; the lowest is fixed.
+    density : [kg/m3]
+        Of all blocks.
 
     Returns
     -------

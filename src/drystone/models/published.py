@@ -228,6 +228,11 @@ def concave(length: Literal["short", "long"] = "short") -> Assembly:
     Published limits about the slab's edge for a friction of 0.84: 40 degrees (short, about +y) and
     54 (long, about +x+y); 5 and 9 for 0.10.
 
+    Parameters
+    ----------
+    length
+        Of the plank.
+
     Returns
     -------
     Assembly

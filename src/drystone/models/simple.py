@@ -58,6 +58,7 @@ def prism(
     depth : (2,) [m]
         From y to y.
     name
+        Of the block.
     density : [kg/m3]
 
     Examples
@@ -91,6 +92,7 @@ def welded(
         The corners (c, 3) [m] of each face. Repeated corners are dropped, and so are faces with
         fewer than three.
     name
+        Of the block.
     density : [kg/m3]
 
     Raises
@@ -158,7 +160,19 @@ def box(
     name: str = "box",
     density: float = DEFAULT_DENSITY,
 ) -> Block:
-    """An axis-aligned box with its lowest corner at ``origin`` [m] and edges ``size`` [m]."""
+    """An axis-aligned box with its lowest corner at ``origin`` [m] and edges ``size`` [m].
+
+    Parameters
+    ----------
+    size : (3,) [m]
+        Lengths of the edges along x, y and z.
+    origin : (3,) [m]
+        The lowest corner.
+    name
+        Of the block.
+    density : [kg/m3]
+        Of the block.
+    """
     low = np.asarray(origin, dtype=np.float64)
     high = low + np.asarray(size, dtype=np.float64)
     return Block(box_corners(low, high), BOX, name, density)
@@ -285,6 +299,15 @@ def harmonic_offsets(count: int, length: float = 1.0, share: float = 1.0) -> lis
 
     The k-th brick from the top may overhang the one below by ``length / (2 k)``; ``share`` of that
     is given back. Source: Hall 2005, the harmonic stack.
+
+    Parameters
+    ----------
+    count
+        Number of bricks, one or more.
+    length : [m]
+        Of a brick.
+    share
+        Of the largest overhang, at each joint.
 
     Examples
     --------

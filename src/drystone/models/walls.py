@@ -99,6 +99,11 @@ def ferris_wall(number: Literal[1, 2] = 1) -> Assembly:
     Blocks of 0.4 x 0.175 m on a fixed ground, half blocks at the ends of the first, third, ...
     course, friction 0.65, a horizontal body load along x in proportion to the weight. Associative
     limit factors: 0.64286 and 0.58000.
+
+    Parameters
+    ----------
+    number
+        Which of the two walls.
     """
     return wall(6 if number == 1 else 10, 5, (0.4, 0.2, 0.175), shift_first=True, ground=True)
 
@@ -112,7 +117,18 @@ def corbelled_wall(
     """A wall in running bond in which each course is shifted along +y from the one below.
 
     It overturns when the centroid of the part above a course is beyond the edge of that course: for
-    n free courses when ``(n + 1) * corbel > depth``. Parameters as in :func:`wall`.
+    n free courses when ``(n + 1) * corbel > depth``.
+
+    Parameters
+    ----------
+    courses
+        Number of courses; the lowest is fixed.
+    length
+        Block lengths per course.
+    size : (3,) [m]
+        Length, depth and height of a block.
+    corbel : [m]
+        Shift of each course along +y over the one below, less than the depth.
     """
     rests = abs(corbel) < float(size[1])
     require(rests, "a course does not rest on the one below", "reduce the step of each course")

@@ -280,8 +280,11 @@ def find_forces(
         Joints that are reduced: to their kern, to a share such as 0.5, or towards a side such as
         -z=0.2, in or out (of an arch or a dome); of all blocks or of those named behind an @.
     progress
+        Called as ``progress(stage, done, total)``, with 0 <= done <= total.
     stop
+        Called often; True ends the calculation with the results so far.
     time_limit_s
+        Time [s] after which the calculation ends with the results so far.
 
     Returns
     -------

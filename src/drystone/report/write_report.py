@@ -231,6 +231,12 @@ def assess(
         File of combinations; see :func:`drystone.studies.combinations`.
     options
         Of the check.
+    progress
+        Called as ``progress(stage, done, total)``, with 0 <= done <= total.
+    stop
+        Called often; True ends the calculation with the results so far.
+    time_limit_s
+        Time [s] after which the calculation ends with the results so far.
 
     Raises
     ------

@@ -52,6 +52,11 @@ SECTIONS: dict[str, Callable[[], Case]] = {
 def reproduce(section: str) -> Case:
     """Compute a section of the source again.
 
+    Parameters
+    ----------
+    section
+        Its number, such as ``5.1.1``.
+
     Raises
     ------
     InputError
@@ -71,6 +76,11 @@ def reproduce(section: str) -> Case:
 
 def sections_of(part: str) -> list[str]:
     """The sections of a part of the source: one such as 7.2.4, a chapter, or all.
+
+    Parameters
+    ----------
+    part
+        Number of a section or chapter, such as ``7.5``; ``all`` for all.
 
     Raises
     ------

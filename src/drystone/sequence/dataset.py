@@ -266,6 +266,11 @@ def dataset(
 def read_dataset(folder: PathLike) -> Dataset:
     """The data set in a folder, as far as it was written.
 
+    Parameters
+    ----------
+    folder
+        Where :func:`dataset` wrote it.
+
     Raises
     ------
     FormatError

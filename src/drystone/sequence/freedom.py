@@ -175,6 +175,7 @@ def freedom(normals: Floats, up: Floats, tolerance: float = TOLERANCE) -> Freedo
     normals : (j, 3) unit
     up : (3,) unit
     tolerance
+        Largest part of a unit direction along a normal, against it, that is allowed.
 
     Examples
     --------

@@ -421,7 +421,15 @@ def _path(finder: PathFinder, job: tuple[int, int, Bools]) -> RemovalPath | NoPa
 
 
 def without_robot(plan: Plan, robots: Sequence[Robot]) -> list[str]:
-    """A line for each block of a plan that no robot can place while the others hold theirs."""
+    """A line for each block of a plan that no robot can place while the others hold theirs.
+
+    Parameters
+    ----------
+    plan
+        Its steps that are known are looked at.
+    robots
+        The team; no two have one name.
+    """
     team, notes = check_robots(robots), []
     chosen = assigned(plan, team)
     for step in plan.steps[: plan.known_steps]:

@@ -302,7 +302,9 @@ def sweep_friction(
     ----------
     model
     frictions
+        Coefficients, one or more, in any order.
     plan_at
+        A function that gives the plan of a model, such as :func:`drystone.plan` with its options.
     """
     if not len(frictions):
         raise InputError("no friction coefficient", where="sweep", remedy="give one or more")

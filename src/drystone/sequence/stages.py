@@ -205,7 +205,15 @@ class StageCheck:
 
 
 def check_once(model: Model, start: Floats | None = None) -> Result:
-    """The verdict with uniform contact stiffness; ``start`` as in :func:`drystone.check`."""
+    """The verdict with uniform contact stiffness; ``start`` as in :func:`drystone.check`.
+
+    Parameters
+    ----------
+    model
+        Is not changed.
+    start : (n, 6) [m, rad]
+        ``displacement`` of the result of a similar model with the same blocks; it saves time.
+    """
     once = StageCheck(CheckOptions(samples=0, settle=False))
     return once.begun_at(Problem.build(model), start)
 

@@ -352,7 +352,13 @@ def _listed(vector: Floats) -> str:
 
 
 def support_forces(result: Result) -> Floats:
-    """The force (n, 3) [N] of each fixed block on the free ones; zero for free blocks."""
+    """The force (n, 3) [N] of each fixed block on the free ones; zero for free blocks.
+
+    Parameters
+    ----------
+    result
+        Of a check, with forces.
+    """
     assembly, contacts = result.assembly, result.contacts
     force = result.resultants.force
     total = np.zeros((len(assembly), 3))

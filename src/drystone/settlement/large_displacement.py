@@ -155,8 +155,6 @@ def move_supports(
 ) -> LargeDisplacement:
     """Move supports by finite amounts until the blocks fall: how far, and with which forces.
 
-    What is not listed here is as in :func:`push`.
-
     Parameters
     ----------
     given
@@ -166,6 +164,8 @@ def move_supports(
     to : [m] > 0, < inf
         The motion is made larger or smaller until the corner of a support that moves farthest moves
         by this; left out, it is taken as it is.
+    options
+        As in :func:`push`.
     watch
         Called with the blocks as they are while they are followed, a few times a second.
 
@@ -211,7 +211,12 @@ def reduce_friction(
 ) -> LargeDisplacement:
     """Let all friction coefficients decay from their values to zero, until the blocks fall.
 
-    The last load is the share of the friction at which they fall. All else is as in :func:`push`.
+    The last load is the share of the friction at which they fall.
+
+    Parameters
+    ----------
+    options
+        As in :func:`push`.
     """
     clock = Clock.of(how)
     model = as_model(given, **how)

@@ -74,7 +74,9 @@ class End(enum.Enum):
     HELD = "nothing gives way"
     """Some joint carries a thousand times the load of a block."""
     REACHED = "as far as asked for"
+    """All that was asked for is done."""
     LOST = "no further position was found"
+    """No equilibrium was found farther on."""
     STOPPED = "ended early"
     """Time was up, it was interrupted, or there were too many steps."""
 

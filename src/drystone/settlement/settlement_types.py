@@ -68,6 +68,7 @@ class Loading(enum.Enum):
     """How the load is put on; friction remembers it."""
 
     AT_ONCE = "at once"
+    """All of it in one step."""
     RAMP = "ramp"
     """All of it grows from nothing, in 20 parts with a rest after each."""
     TURNED = "turned"

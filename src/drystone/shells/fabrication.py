@@ -26,6 +26,13 @@ from drystone.shells.shell_of_blocks import Shell
 def block_frame(shell: Shell, block: int) -> tuple[Floats, Floats]:
     """A block's own frame.
 
+    Parameters
+    ----------
+    shell
+        It has the block.
+    block
+        Its number in ``shell.assembly``.
+
     Returns
     -------
     axes : (3, 3)
@@ -51,6 +58,11 @@ def schedule(shell: Shell) -> Table:
     square. ``corners`` are the interior angles between two neighbouring side faces, at each edge
     that they share, in the order of the faces. A bed joint with a joggle has three faces; the
     angles at their two edges are included.
+
+    Parameters
+    ----------
+    shell
+        Its voussoirs are listed.
 
     Examples
     --------
@@ -137,7 +149,15 @@ class FlatFace(OneLine):
 
 
 def own_frame(shell: Shell, block: int | str) -> Block:
-    """A block moved into its own frame (``drystone.shells.fabrication.block_frame``)."""
+    """A block moved into its own frame (``drystone.shells.fabrication.block_frame``).
+
+    Parameters
+    ----------
+    shell
+        It has the block.
+    block
+        Its name or number.
+    """
     i = int(shell.assembly.indices([block])[0])
     axes, origin = block_frame(shell, i)
     return shell.assembly.blocks[i].transformed(axes, -axes @ origin)
@@ -169,6 +189,13 @@ def write_blocks(shell: Shell, folder: PathLike, *, suffix: str = ".obj") -> lis
 
 def flat_faces(shell: Shell, block: int | str) -> tuple[FlatFace, ...]:
     """The side faces of a block, each in its own plane.
+
+    Parameters
+    ----------
+    shell
+        It has the block.
+    block
+        Its name or number.
 
     Examples
     --------

@@ -325,6 +325,13 @@ def shape_volume(shape: Shape, thickness: float) -> float:
     """[m3] of the smooth shell of constant thickness about the shape's patches.
 
     ``t dA (1 + K t^2 / 12)`` with the Gaussian curvature K (Steiner), by the midpoint rule.
+
+    Parameters
+    ----------
+    shape
+        Its patches are summed.
+    thickness : [m]
+        The same everywhere, half of it to each side.
     """
     total = 0.0
     for patch in shape.patches:

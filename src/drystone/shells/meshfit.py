@@ -57,6 +57,7 @@ def vaults_from_mesh(
         The two ends of each support, two supports or more, in their order along the border. When
         left out: the sides of the border that are lower than those before and after them.
     name
+        Of the shape, as errors name it.
 
     Returns
     -------
@@ -326,6 +327,7 @@ def patch_from_mesh(
     control
         Control points along u and v.
     name
+        Of the patch, as errors name it.
 
     Raises
     ------

@@ -83,6 +83,7 @@ def planarise(
     most
         Newton steps.
     progress
+        Called as ``progress(stage, done, total)``, with 0 <= done <= total.
 
     Returns
     -------

@@ -291,6 +291,7 @@ def build_shell(
         One for all patches or one per patch.
     body
     progress
+        Called as ``progress(stage, done, total)``, with 0 <= done <= total.
 
     Raises
     ------

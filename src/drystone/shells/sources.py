@@ -30,6 +30,17 @@ def patch_from_function(
 ) -> Patch:
     """A patch from ``function(u, v)``, checked for folds; see :class:`Patch`.
 
+    Parameters
+    ----------
+    function
+        Points (k, 3) [m] for u (k,) and v (k,), each in [0, 1].
+    closed
+        Whether v = 1 is the same as v = 0.
+    name
+        Of the patch, as errors name it.
+    breaks
+        Positions in v at which its lines along v may have a corner.
+
     Raises
     ------
     InputError
@@ -41,7 +52,13 @@ def patch_from_function(
 
 
 def curve_through(points: Any) -> _Curve:
-    """A cubic curve through points (p, 3) [m], by chord length; two points give a line."""
+    """A cubic curve through points (p, 3) [m], by chord length; two points give a line.
+
+    Parameters
+    ----------
+    points : (p, 3) [m]
+        Two or more, in order; none repeats the one before.
+    """
     from scipy.interpolate import CubicSpline  # slow to import
 
     corners = frozen_floats(points, (None, 3), "curve points")
@@ -71,6 +88,8 @@ def patch_from_curves(
         u = 0 and u = 1, run along v from the left to the right.
     left, right
         v = 0 and v = 1, run along u from the bottom to the top.
+    name
+        Of the patch, as errors name it.
 
     Raises
     ------
@@ -128,6 +147,13 @@ def _coons(
 def patch_from_sections(sections: Sequence[Any], *, name: str = "patch") -> Patch:
     """A patch lofted through sections, each (p, 3) points [m] along v, one after another along u.
 
+    Parameters
+    ----------
+    sections
+        Two or more, each of points (p, 3) [m].
+    name
+        Of the patch, as errors name it.
+
     Raises
     ------
     InputError
@@ -162,6 +188,7 @@ def patch_from_grid(
     breaks
         Columns at which the patch may have an edge: each side has its own spline.
     name
+        Of the patch, as errors name it.
 
     Raises
     ------
@@ -246,6 +273,7 @@ def read_surface(
     Parameters
     ----------
     path
+        Its suffix determines the format.
     units
         Of the numbers in the file: mm, cm, m, in or ft. When left out: the unit in the file, else
         metres.

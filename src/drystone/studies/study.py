@@ -176,6 +176,11 @@ def study_told(table: Table) -> Table:
     """A study for people: both sides of a limit with the digits of the limit's title.
 
     They are rounded away from the limit: what is told to stand stands, what falls falls.
+
+    Parameters
+    ----------
+    table
+        Rows of a study, as ``Study.table`` has them.
     """
     sides = _sides(table)
     bounds = {name: up for name, up in table.bounds.items() if name not in sides}

@@ -241,7 +241,13 @@ class Addition:
 
 
 def page_text(scene: Scene) -> str:
-    """The page as text: HTML with its style, its script and its data inside."""
+    """The page as text: HTML with its style, its script and its data inside.
+
+    Parameters
+    ----------
+    scene
+        What is drawn, with its charts; see :func:`scene_of`.
+    """
     return page_of_data(to_text(encode(scene)), scene.title, "\n".join(map(panel, scene.charts)))
 
 

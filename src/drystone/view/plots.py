@@ -88,6 +88,7 @@ def save_chart(
         Its suffix says PNG, SVG or PDF. Written to a temporary name beside it and renamed. Left
         out, nothing is written.
     title
+        Above the chart; left out, none.
     ax
         Axes of matplotlib to draw in, polar ones of a chart that is; the legend is within them.
 

@@ -22,6 +22,7 @@ def scene_of(subject: Subject, contacts: Contacts | None = None) -> Scene:
     Parameters
     ----------
     subject
+        A scene, or an answer, a model or an assembly that is drawn.
     contacts
         Of an assembly; everything else has its own.
 
