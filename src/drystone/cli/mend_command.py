@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from drystone.design.shape_values import ShapeVariables
     from drystone.model import Model
     from drystone.results import Result
-    from drystone.sequence import Plan
+    from drystone.sequence import Plan, StageAnswer
 
 
 @command(
@@ -157,11 +157,17 @@ def _refuse(diagnose: bool, auto: bool, apply: tuple[int, ...] | None, out: Path
         )
 
 
+def may_mend(found: Result | StageAnswer) -> bool:
+    """Whether mends are looked for: of what falls, where no joint crushes."""
+    from drystone.answer import Verdict  # as above
+    from drystone.stability.strength import WEAK
+
+    return found.verdict is Verdict.UNSTABLE and WEAK not in found.message
+
+
 def short(result: Result, waiting: Waiting) -> dict[str, Diagnosis]:
     """Why the heaviest regions of a result fall; nothing if nothing falls, or joints crush."""
-    from drystone.stability.strength import WEAK  # as above
-
-    if not result.falls or WEAK in result.message:
+    if not may_mend(result):
         return {}
     from drystone.design import DiagnosisOptions, diagnose  # as above
 

@@ -15,6 +15,7 @@ from drystone.base.display import differing
 from drystone.base.errors import InputError
 from drystone.cli import kinds, offered
 from drystone.cli.command import command
+from drystone.cli.mend_command import may_mend
 from drystone.cli.model_input import Subject
 from drystone.cli.offered import OUTPUT, Analysis, Of, Option, writes
 from drystone.cli.told import Told, WithFilm
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
         Robot,
         Scaffolding,
         ScaffoldOptions,
+        StageAnswer,
         Support,
         Turns,
     )
@@ -44,6 +46,8 @@ _FEW = 14
 
 _LISTED = 40
 """Blocks up to which the order is told to be given again. Chosen: some lines."""
+
+_RESERVE = "--margins tells what each stage has in reserve, and takes tens of times as long"
 
 SCAFFOLD_LIMITS = {
     "scaffold_options.limit": "--scaffold-limit",
@@ -393,15 +397,16 @@ def plan(
         with waiting.stoppable() as stop:
             in_turn = sequence.take_turns(
                 model, None if order == "top" else _names(order), chosen.rules.team,
-                check=check or sequence.check_both, executor=executor_of(workers),
+                check=check, executor=executor_of(workers),
                 progress=waiting, stop=stop, time_limit_s=limit,
             )  # fmt: skip
         notes = list(model.notes)
-        if order == "top" and not in_turn.works and not in_turn.stopped:
+        if order == "top" and not (in_turn.works or in_turn.stopped or in_turn.falls):
             notes.append("in the order of the file: another one may do, try --order NAMES")
         return Told(
-            in_turn, notes=notes, files=partial(wanted.of_turns, in_turn), into=wanted.stages
-        )
+            in_turn, notes=notes, files=partial(wanted.of_turns, in_turn), into=wanted.stages,
+            then=_next(subject, in_turn.complete),
+        )  # fmt: skip
 
     def plan_at(model: Model, saved: Path | None = None) -> Plan:
         return sequence.plan(
@@ -427,22 +432,35 @@ def plan(
     kept = [waiting.left()] if found.stopped and checkpoint is not None else []
     return Told(
         found, {key: one for key, one in also.items() if one is not None},
-        notes=[*model.notes, *found.notes, *_again(found), *kept],
+        notes=[*model.notes, *found.notes, *_again(found, margins), *kept],
         files=partial(wanted.all_of, found, made, measured, robot),
         into=wanted.stages if found.steps else None,
+        then=_next(subject, found.complete, found),
     )  # fmt: skip
 
 
-def _again(plan: Plan) -> list[str]:
-    """The order of a plan of few blocks, to be given again; and what may save its props."""
-    if plan.impossible:
+def _again(plan: Plan, margins: bool) -> list[str]:
+    """The order of a plan of few blocks, to be given again, its reserve; and what saves props."""
+    if plan.impossible or not plan.steps:
         return []
     names = shlex.quote(",".join(plan.order))
-    said = [f"this order: --order {names}"] if 0 < len(plan.order) <= _LISTED else []
-    if plan.counts["propped"] and not plan.rules.robots:
-        hands = f"--hands {plan.rules.hands + 1} gives one more hand"
-        said.append(f"props: {hands}, --scaffold strut asks for real ones")
+    said = [] if margins or not plan.stable else [_RESERVE]
+    said += [f"this order: --order {names}"] if len(plan.order) <= _LISTED else []
+    if plan.counts["propped"]:
+        more = f"--hands {plan.rules.hands + 1} gives one more hand, "
+        ways = f"{'' if plan.rules.robots else more}--scaffold strut asks for real ones"
+        said.append(f"props: {ways}, drystone recut may change joints so that none is needed")
     return said
+
+
+def _next(subject: Subject, complete: StageAnswer | None, plan: Plan | None = None) -> str:
+    """The command that mends what falls when it is complete, or changes joints to save props."""
+    if complete is not None and may_mend(complete):
+        return subject.command("mend")
+    if plan is None or not plan.stable or not plan.counts["propped"]:
+        return ""
+    hands = len(plan.rules.team)
+    return subject.command("recut", *([] if hands == 2 else ["--hands", str(hands)]))
 
 
 def _with_rules(

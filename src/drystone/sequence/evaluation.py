@@ -30,11 +30,22 @@ from drystone.base.workers import ExecutorFactory, WorkerPool
 from drystone.checks import block_speed, closing
 from drystone.formulations.nearest_mechanism import STILL
 from drystone.io.opening import content_of
+from drystone.model import Model
 from drystone.results import Verdict
 from drystone.sequence.solving import PartSolver, combined
-from drystone.sequence.stages import Check, Stage, StageAnswer, StagedModel, mask_of, members
+from drystone.sequence.stages import (
+    Check,
+    Stage,
+    StageAnswer,
+    StagedModel,
+    check_thoroughly,
+    mask_of,
+    members,
+)
 from drystone.stability.attempts import Candidate
 from drystone.stability.problem import FALLING_SHARE, MECHANISM_TOLERANCE, UNBALANCED
+from drystone.stability.touching_edges import may_touch_more
+from drystone.stability.verdict import check as check_whole
 
 
 @dataclass(frozen=True, eq=False)
@@ -387,6 +398,31 @@ class Evaluator(OneLine):
 
     def _solve_here(self, job: _Job) -> StageAnswer:
         return self.solver.solve(*job)
+
+
+def finished(evaluator: Evaluator, placed: int, check: Check | None) -> StageAnswer:
+    """Of what is to stand at the end; without a check of its own it may stand after settling."""
+    answer = evaluator.answer(Stage(placed))
+    if check is None and evaluator.model.small and not answer.stands:
+        return evaluator.settled(Stage(placed), check_thoroughly)
+    return answer
+
+
+def finished_whole(evaluator: Evaluator, check: Check | None) -> tuple[StageAnswer, Model | None]:
+    """Of the complete structure; and it with the edges that touch, where these hold it.
+
+    Near blocks that do not touch are no proof of a fall.
+    """
+    model = evaluator.model.model
+    complete = finished(evaluator, evaluator.model.everything, check)
+    if check is None and complete.verdict is Verdict.UNSTABLE and may_touch_more(model):
+        whole = check_whole(model)
+        if whole.stable and whole.contacts.count > model.contacts.count:
+            return complete, replace(whole.model, report=None)
+        if whole.verdict is Verdict.UNDECIDED:
+            known = replace(complete, verdict=whole.verdict, message=whole.message, falling=())
+            return known, None
+    return complete, None
 
 
 def solve_remote(payload: bytes, job: _Job) -> StageAnswer:

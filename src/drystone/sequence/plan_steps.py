@@ -16,11 +16,12 @@ from drystone.base.arrays import Floats, Ints
 from drystone.base.display import OneLine, named
 from drystone.base.errors import counted
 from drystone.model import Model
-from drystone.results import Result
+from drystone.results import Result, Verdict
 from drystone.sequence.evaluation import Evaluator
 from drystone.sequence.robots import Robot
 from drystone.sequence.rules import RemovalTest
 from drystone.sequence.stages import Stage, StageAnswer, StagedModel, mask_of, members
+from drystone.stability.touching_edges import may_touch_more
 from drystone.supports import props_of
 
 
@@ -394,3 +395,14 @@ def falling_words(answer: StageAnswer, names: Sequence[str]) -> str:
     falling = [names[block] for block in answer.falling]
     verb = "falls" if len(falling) == 1 else "fall"
     return f"{named(falling)} {verb}; " if falling else ""
+
+
+def refusal(complete: StageAnswer, model: StagedModel) -> str:
+    """Why no order does: the complete structure does not stand, and what to do."""
+    words = falling_words(complete, model.assembly.names).removesuffix("; ")
+    told = f"{f': {words}' if words else ''}; {complete.message}"
+    if complete.verdict is Verdict.UNSTABLE:
+        remedy = "change it with drystone mend, or plan it --anyway, with props that stay"
+        return f"the complete structure does not stand{told}; {remedy}"
+    more = "" if may_touch_more(model.model) else "; a thorough check (--thorough) tries more"
+    return f"the complete structure was not shown to stand{told}{more}"

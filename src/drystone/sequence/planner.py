@@ -14,11 +14,10 @@ from drystone.base.errors import counted
 from drystone.base.files import PathLike
 from drystone.base.settings import Clock, Options, Stopped, checked_call
 from drystone.io.opening import Given, LongHow, as_model
-from drystone.results import Verdict
-from drystone.sequence.evaluation import Evaluator
+from drystone.sequence.evaluation import Evaluator, finished, finished_whole
 from drystone.sequence.helping import Trimmed, mended, trimmed
 from drystone.sequence.order_search import Costly, OrderSearch
-from drystone.sequence.plan_steps import Step, checked_step, falling_words, without_help
+from drystone.sequence.plan_steps import Step, checked_step, refusal, without_help
 from drystone.sequence.plans import Plan
 from drystone.sequence.rules import BoundRules, Order, RemovalTest, Rules, bind, removal_rank
 from drystone.sequence.scaffold_places import ScaffoldOptions, Support
@@ -27,17 +26,13 @@ from drystone.sequence.stage_tree import NO_HELP, Node
 from drystone.sequence.stages import (
     CHECKED,
     Check,
-    Stage,
     StageAnswer,
     StagedModel,
     check_both,
-    check_thoroughly,
     members,
 )
 from drystone.sequence.turns import in_turn
 from drystone.stability.attempts import MANY_BLOCKS, stage_screening
-from drystone.stability.touching_edges import may_touch_more
-from drystone.stability.verdict import check as check_whole
 
 EFFORT, LARGE = 1600.0, 50.0
 """The planner holds or props blocks after EFFORT / n stages without progress, with n free blocks
@@ -132,31 +127,13 @@ def plan(
     bound = bind(chosen.rules, model, RemovalTest(model))
     workers, late = clock.workers, clock.late
     with Evaluator(model, executor=workers, checkpoint=checkpoint, late=late) as evaluator:
-
-        def finished(placed: int) -> StageAnswer:
-            """Of what is to stand at the end; it may stand after settling."""
-            answer = evaluator.answer(Stage(placed))
-            if check is None and model.small and not answer.stands:
-                return evaluator.settled(Stage(placed), check_thoroughly)
-            return answer
-
-        complete = finished(model.everything)
-        if check is None and complete.verdict is Verdict.UNSTABLE and may_touch_more(model.model):
-            whole = check_whole(model.model)  # near blocks that do not touch are no proof of a fall
-            if whole.stable and whole.contacts.count > model.contacts.count:
-                # edges that touch hold it: they count in the stages too
-                with_edges = replace(whole.model, report=None)
-                return plan(with_edges, options=options, checkpoint=checkpoint, **clock.rest)
-            if whole.verdict is Verdict.UNDECIDED:
-                why = whole.message
-                complete = replace(complete, verdict=whole.verdict, message=why, falling=())
-                if not chosen.anyway:
-                    message = f"the complete structure was not shown to stand; {why}"
-                    return _no_plan(evaluator, complete, message)
+        complete, touching = finished_whole(evaluator, check)
+        if touching is not None:  # these edges count in the stages too
+            return plan(touching, options=options, checkpoint=checkpoint, **clock.rest)
         if not complete.stands and not chosen.anyway:
-            return _no_plan(evaluator, complete, _refusal(complete, model.assembly.names))
+            return _no_plan(evaluator, complete, refusal(complete, model))
         if complete.stands:
-            bound = bound.without_what_falls(finished)
+            bound = bound.without_what_falls(partial(finished, evaluator, check=check))
         planner = _Planner(evaluator, bound, chosen, clock)
         try:
             return planner.run(complete)
@@ -452,16 +429,3 @@ class _Planner:
         directions = np.array(motion).reshape(-1, 3)
         some = tuple(members(props))
         return checked_step(self.evaluator, begins, blocks, directions, standing, some, near)
-
-
-def _refusal(complete: StageAnswer, names: Sequence[str]) -> str:
-    """Why there is no plan."""
-    words = falling_words(complete, names)
-    words = f": {words.removesuffix('; ')}" if words else ""
-    if complete.verdict is Verdict.UNSTABLE:
-        remedy = "change it with drystone mend, or plan it --anyway, with props that stay"
-        return f"the complete structure does not stand{words}; {complete.message}; {remedy}"
-    return (
-        f"the complete structure was not shown to stand{words}; {complete.message}; a thorough "
-        "check (--thorough) tries more"
-    )

@@ -26,9 +26,9 @@ from drystone.io.opening import Given, LongHow, as_model
 from drystone.loads import STANDARD_GRAVITY
 from drystone.model import Model
 from drystone.results import Verdict
-from drystone.sequence.evaluation import Evaluator
+from drystone.sequence.evaluation import Evaluator, finished_whole
 from drystone.sequence.plan_layers import outlined, stage_of, with_arms, with_reach
-from drystone.sequence.plan_steps import falling_words, permanent_words
+from drystone.sequence.plan_steps import falling_words, permanent_words, refusal
 from drystone.sequence.robots import Robot, check_robots, why_not
 from drystone.sequence.stage_tree import overloads
 from drystone.sequence.stages import Check, Stage, StageAnswer, StagedModel, check_both, mask_of
@@ -86,7 +86,7 @@ class Turns(Answer):
     turns
         One per block, in the order of assembly, up to the first failure.
     complete
-        Answer of the complete structure without holds; None if it was not reached.
+        Answer of the complete structure without holds; None if it was stopped before.
     """
 
     structure: StagedModel
@@ -131,9 +131,15 @@ class Turns(Answer):
         """Good where it works; unsure where a stage is not known."""
         if self.works:
             return Role.GOOD
-        last = self.turns[-1].answer if self.complete is None else self.complete
-        unknown = self.stopped or last.verdict is Verdict.UNDECIDED
-        return Role.UNSURE if unknown else Role.BAD
+        last = self.turns[-1]
+        fails = self.complete if last.works else last.answer
+        unknown = fails is None or fails.verdict is Verdict.UNDECIDED
+        return Role.UNSURE if unknown and not self.falls else Role.BAD
+
+    @property
+    def falls(self) -> bool:
+        """Whether the complete structure falls, so that no order does."""
+        return self.complete is not None and self.complete.verdict is Verdict.UNSTABLE
 
     @property
     def title(self) -> str:
@@ -148,22 +154,21 @@ class Turns(Answer):
         """Whether it can be built, the largest hold, and what the first failure is."""
         held = f"the largest force of a robot is {quantity(self.largest, 'N')}"
         how = "each robot carries its block and holds it until the next one is in place"
-        return [
-            Sentence(self.title, self._role),
-            Sentence(
-                f"{how}: its hold is the larger of its weight, carried, and the force that "
-                "holds it then; a smaller one may do"
-            ),
-            Sentence(held if self.works else self.stopped or self._failure),
+        whole = "" if self.complete is None else refusal(self.complete, self.structure)
+        told = [
+            f"{how}: its hold is the larger of its weight, carried, and the force that holds it "
+            "then; a smaller one may do",
+            whole if self.falls and not self.turns[-1].works else "",
+            held if self.works else self.stopped or self._failure,
         ]
+        return [Sentence(self.title, self._role), *map(Sentence, filter(None, told))]
 
     @property
     def _failure(self) -> str:
         """Why the last stage does not work."""
         names, last = self.model.assembly.names, self.turns[-1]
         if last.works and self.complete is not None:
-            words = falling_words(self.complete, names) + self.complete.message
-            return f"complete, without holds: {words}"
+            return refusal(self.complete, self.structure)
         robot, body = self._arm(last), self.model.assembly.blocks[last.block]
         if not self._placed(last):
             return why_not([robot], body.name, body.centroid, body.mass, turn=True)
@@ -213,7 +218,7 @@ class Turns(Answer):
         assembly = self.model.assembly
         apart = self.robots if len({one.base for one in self.robots}) > 1 else ()
         *early, last = self._stages(apart)
-        told = self.sentences()[-1].text
+        told = "; ".join(one.text for one in self.sentences()[2:])
         stages = [
             *early,
             replace(last, headline=self.title, message=told, role=self._role),
@@ -244,7 +249,7 @@ class Turns(Answer):
             stage = stage_of(self.structure, label, "", state.copy(), answer, True)
             stage = with_arms(assembly, arms, seen, stage)
             yield replace(stage, layers=(*stage.layers, *missing))
-        if self.complete is not None:
+        if self.complete is not None and self.turns[-1].works:
             state[state == State.HELD] = State.FREE
             yield stage_of(self.structure, "all blocks", "", state, self.complete, True)
 
@@ -255,7 +260,7 @@ def take_turns(
     order: Sequence[int | str] | None = None,
     robots: Sequence[Robot] = PAIR,
     *,
-    check: Check = check_both,
+    check: Check | None = None,
     **how: Unpack[LongHow],
 ) -> Turns:
     """Whether two or more robots can build a structure by holding the last block in turn.
@@ -269,7 +274,8 @@ def take_turns(
     robots
         Two or more. The first places the first block, the second the next one, and so on.
     check
-        Function that gives the verdict on a stage.
+        Function that gives the verdict on a stage. When left out:
+        :data:`drystone.sequence.check_both`; the complete structure may also stand after settling.
 
     Raises
     ------
@@ -288,7 +294,7 @@ def take_turns(
     if len(team) < 2:
         raise InputError(f"{len(team)} robots cannot take turns", remedy="give two or more")
     clock = Clock.of(how)
-    structure = StagedModel(as_model(given, **how), check)
+    structure = StagedModel(as_model(given, **how), check or check_both)
     assembly = structure.assembly
     blocks = assembly.free.tolist() if order is None else assembly.indices(order).tolist()
     if sorted(blocks) != assembly.free.tolist():
@@ -300,7 +306,15 @@ def take_turns(
     if not blocks:
         raise InputError("no block is free", where="supports", remedy="fix the supports only")
     with Evaluator(structure, executor=clock.workers, late=clock.late) as evaluator:
-        return in_turn(evaluator, blocks, team, clock)
+        found = in_turn(evaluator, blocks, team, clock)
+        if found.works or found.stopped:
+            return found
+        with suppress(Stopped):
+            complete, touching = finished_whole(evaluator, check)
+            if touching is not None:  # these edges count in the turns too
+                return take_turns(touching, order, robots, **clock.rest)
+            return replace(found, complete=complete)
+    return found
 
 
 def in_turn(

@@ -51,6 +51,8 @@ def test_a_person_reads_steps_and_counts(stack, capsys):
     assert "3 steps" in out
     assert "3 free, 0 held, 0 propped" in out
     assert "this order: --order block-1,block-2,block-3" in out
+    assert "--margins tells what each stage has in reserve" in out
+    assert "next: " not in out
     assert main(["plan", stack, "--order", "course"]) == 0
     assert "order course" in capsys.readouterr().out
 
@@ -68,6 +70,8 @@ def test_an_arch_names_its_props_and_writes_files(tmp_path, capsys):
     assert data["counts"]["propped"] == len(data["props"]) == 4
     assert data["notes"][0] == f"this order: --order {','.join(data['order'])}"
     assert data["notes"][1].startswith("props: --hands 2 gives one more hand")
+    assert "drystone recut may" in data["notes"][1]
+    assert data["next"] == f"drystone recut {path} --friction 0.4 --hands 1"
     assert all(np.linalg.norm(prop["force"]) > 0.0 for prop in data["props"])
     assert data["margins"]["weakest"]["tilt_deg"] > 1.0
     assert [row["stands"] for row in data["friction_sweep"]["plans_by_friction"]] == [False, True]
@@ -91,6 +95,23 @@ def test_turns_that_fail_in_the_order_of_the_file_say_so(tmp_path, capsys):
     assert "in the order of the file: another one may do, try --order" in capsys.readouterr().out
     assert main(["plan", str(path), "--turns", "--payload", "1", "--order", "block-1,block-2"]) == 1
     assert "in the order of the file" not in capsys.readouterr().out
+
+
+def test_turns_of_what_falls_when_it_is_complete_name_no_other_order(tmp_path, capsys):
+    """The second brick falls when the third is held; no order places a corbel that falls."""
+    path = tmp_path / "corbel.json"
+    blocks = tuple(box((1.0, 1.0, 0.3), (0.4 * i, 0.0, 0.3 * i), str(i)) for i in range(4))
+    io.write(Assembly(blocks, np.arange(4) < 1), path)
+    code, told = answer(capsys, "plan", str(path), "--turns", "--friction", "0.5")
+    assert (code, told["complete"]) == (1, "unstable")
+    _, _, whole, first = told["sentences"]
+    assert whole.startswith(
+        "the complete structure does not stand: 1, 2, 3 fall; no contact forces"
+    )
+    assert first.startswith("when 'hand 1' holds '3': 1, 2 fall;")
+    assert not told["notes"]
+    assert told["next"] == f"drystone mend {path} --friction 0.5"
+    assert answer(capsys, "plan", str(path), "--friction", "0.5")[1]["next"] == told["next"]
 
 
 def test_stages_are_written_with_their_props(tmp_path, capsys):
