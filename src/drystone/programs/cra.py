@@ -62,10 +62,11 @@ class CRAOptions(Options):
 def solve_cra(given: Given, *, options: CRAOptions | None = None, **how: Unpack[LongHow]) -> Result:
     """Forces and a virtual motion with equal overlaps wherever force passes (eq. 5.6).
 
-    A state is searched along the path of the loads, and from other motions where :func:`check` does
-    not follow the blocks into a fall: states that only jam are none. Where none is found, the
-    verdict is that of :func:`check`, which need not be that of CRA: what comes to rest without such
-    a state is stable all the same, and what is undecided there is so here. The message says both.
+    A state is searched along the path of the loads, and from other motions unless :func:`check`
+    finds that the blocks fall: states that only jam, as of model H from friction 0.889 on, are not
+    returned. Where none is found, the verdict is that of :func:`check`, which need not be that of
+    CRA: what comes to rest without such a state is stable all the same, and what is undecided there
+    is so here. The message says both.
 
     Parameters
     ----------
