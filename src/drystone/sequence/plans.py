@@ -33,7 +33,8 @@ _REASONS = 3
 """Steps whose need of help, or margin of zero, is told in sentences; the numbers have all."""
 
 _SILENT = (
-    "with", "robot", "hold_force", "prop_force", "prop_set", "prop_goes", "propped_now", "margin",
+    "with", "robot", "insertion", "hold_force", "prop_force", "prop_set", "prop_goes",
+    "propped_now", "margin",
 )  # fmt: skip
 _COLUMNS = ("step", "block", "status", *_SILENT[:-1], "friction_used", "margin")
 """Of the table of a plan, and those that are hidden where they say nothing."""
@@ -321,10 +322,11 @@ class Plan(PlannedSteps, Answer):
     def table(self) -> Table:
         """A row per block in the order of assembly.
 
-        Its step, status, partners, the robot that places or holds it, the largest force of the
-        hand that holds it for a partner, that of its prop, the step in which this is set and the
-        one that ends with its removal (0: it stays), how many props stand, the friction used after
-        the step, and whether the margin is zero then. Columns that say nothing are hidden.
+        Its step, status, partners, the robot that places or holds it, the direction in which it
+        comes in where that is not down, the largest force of the hand that holds it for a partner,
+        that of its prop, the step in which this is set and the one that ends with its removal (0:
+        it stays), how many props stand, the friction used after the step, and whether the margin is
+        zero then. Columns that say nothing are hidden.
         """
         team = self.rules.robots
         robot = {b: team[k].name for b, k in assigned(self, team).items()}
@@ -339,8 +341,11 @@ class Plan(PlannedSteps, Answer):
     def _row(self, block: int, robot: str, prop: Prop | None) -> tuple[Any, ...]:
         number, names = self.step_of[block], self.model.assembly.names
         step, partners = self.steps[number], " ".join(names[p] for p in self.partners(block))
+        way = step.motion[step.blocks.index(block)]
+        aside = way @ self.model.up > 1e-6 - 1.0
+        insertion = ", ".join(f"{x:g}" for x in way.round(2) + 0.0) if aside else ""
         return (
-            number + 1, names[block], self.status[block].value, partners, robot,
+            number + 1, names[block], self.status[block].value, partners, robot, insertion,
             float(np.linalg.norm(step.hold(block)[:3])), prop.force if prop else 0.0,
             prop.first + 1 if prop else None, (prop.last + 2) % (len(self) + 1) if prop else None,
             len(step.props), step.answer.used, "zero" if number in self.on_edge else "",

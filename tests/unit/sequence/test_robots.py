@@ -170,6 +170,17 @@ def test_the_table_of_a_plan_names_the_robot_of_each_block():
     }
 
 
+def test_the_table_of_a_plan_says_which_way_a_block_comes_in_that_does_not_come_down():
+    at = {"floor": (-1, -1, -1), "roof": (-1, -1, 1), "end": (1, 0, 0), "left": (0, 1, 0),
+          "right": (0, -1, 0), "drawer": (0, 0, 0), "top": (0, 0, 2)}  # fmt: skip
+    blocks = [box((3, 3, 1) if z in (-1, 1) else (1, 1, 1), (x, y, z), name)
+              for name, (x, y, z) in at.items()]  # fmt: skip
+    table = plan(Assembly(tuple(blocks), np.arange(7) < 5)).table()
+    assert table["insertion"].tolist() == ["1, 0, 0", ""]
+    assert "insertion" not in table.hidden
+    assert "insertion" in plan(tower(2)).table().hidden
+
+
 def test_the_approach_ends_in_place_and_begins_away():
     work = handling(plan(tower(3)))
     for one in work.placements:
