@@ -551,12 +551,13 @@ def find_mends(
                 continue
             held = sorted(others - set(region.blocks))
             task = partial(
-                mends_of_kind, model, found.motion, region, chosen.margin, keep, held, clock
-            )
+                mends_of_kind, model, found.motion, region, chosen.margin, keep, held,
+                partial(_crossed, chosen), clock,
+            )  # fmt: skip
             own: list[Changed] = []
             several = pool.answers(task, chosen.kinds, clock.late)
             for done, (made, failed) in enumerate(several, 1):
-                new = [_crossed(one, chosen, clock) for one in _with_margin(made, clock.late)]
+                new = _with_margin(made, clock.late)
                 own += new
                 tried += [(names, one) for one in failed]
                 for one in new:
@@ -613,7 +614,7 @@ def _case(result: Result, model: Model, chosen: MendOptions) -> str:
     return ", ".join([*said, *filter(None, [chosen.margin.case_of(result, model)])])
 
 
-def _crossed(made: Changed, chosen: MendOptions, clock: Clock) -> Changed:
+def _crossed(chosen: MendOptions, made: Changed, clock: Clock) -> Changed:
     """A mend with what the train of the options says of it at all places."""
     if chosen.train is None:
         return made

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -45,6 +45,7 @@ def mends_of_kind(
     margin: DesignMargin,
     keep: frozenset[int],
     held: list[int],
+    crossed: Callable[[Changed, Clock], Changed],
     clock: Clock,
     kind: str,
 ) -> tuple[list[Changed], list[Tried]]:
@@ -52,7 +53,8 @@ def mends_of_kind(
 
     Where a kind holds it without the margin only, the largest part of the margin that it keeps is
     searched, and told where the model falls without it. ``motion`` (n, 6) is the first one of all
-    blocks, ``held`` are those of other regions.
+    blocks, ``held`` are those of other regions. ``crossed`` says whether a mend stands elsewhere
+    too, under a train that moves.
     """
 
     def at(part: DesignMargin) -> Bench:
@@ -60,7 +62,7 @@ def mends_of_kind(
 
     clock.tell(f"a mend is sought: {kind}", 0, 1)
     bench = at(margin)
-    made = _of_kind(bench, region, held, clock, kind)
+    made = _of_kind(bench, region, held, clock, kind, crossed)
     if made or bench.large or not bench.near or margin == margin.eased(1.0):
         return made, bench.tried
     told = [""]
@@ -78,7 +80,12 @@ def mends_of_kind(
 
 
 def _of_kind(
-    bench: Bench, region: Region, held: list[int], clock: Clock, kind: str
+    bench: Bench,
+    region: Region,
+    held: list[int],
+    clock: Clock,
+    kind: str,
+    crossed: Callable[[Changed, Clock], Changed] = lambda made, _: made,
 ) -> list[Changed]:
     """The mends of one kind that hold a region and the whole."""
     before = region.local
@@ -93,9 +100,10 @@ def _of_kind(
     with contextlib.suppress(Stopped):
         for change, value in holding(kind, KnownNeeds(bench, region.needs, known)):
             clock.tell(f"{change.words(value)} holds it alone; now the whole", 0, 1)
-            found = _WholeCheck(bench, change, value, held).mend()
+            whole = _WholeCheck(bench, change, value, held)
+            found = whole.mend()
             if found is not None:
-                made.append(found)
+                made.append(whole.crossed(found, lambda one: crossed(one, clock)))
     return made
 
 
@@ -148,12 +156,30 @@ class _WholeCheck:
 
     def mend(self) -> Changed | None:
         """The change with the least value that holds the structure; ``None`` if it falls."""
-        bench, candidate, found = self.bench, self.candidate, self._least()
+        found = self._least()
         if found is None:
-            bench.tried.append(self._falls())
-            bench.near = True
-            return None
-        model, made = bench.model, found.model
+            self.bench.tried.append(self._falls())
+            self.bench.near = True
+        return None if found is None else self._made(found)
+
+    def crossed(self, made: Changed, crossed: Callable[[Changed], Changed]) -> Changed:
+        """A mend as it stands elsewhere; a little more of it, where that stands there and it not.
+
+        One, three and seven widths of the search more are tried.
+        """
+        told, most, value = crossed(made), self.candidate.steps[-1], made.change.value
+        width = self.candidate.close or 0.01 * value
+        for more in (1.0, 3.0, 7.0):
+            if told.stands or not made.stands or value + more * width > most:
+                break
+            found = self._checked(value + more * width)
+            larger = told if found is None else crossed(self._made(found))
+            told = larger if larger.stands else told
+        return told
+
+    def _made(self, found: _Held) -> Changed:
+        """The structure with the change, in words and with its cost."""
+        bench, candidate, model, made = self.bench, self.candidate, self.bench.model, found.model
         volume = _volume_changed(model, made)
         was, now = mass(free_mass(model)), mass(free_mass(made))
         how = f"; free mass from {was} to {now}" if was != now else ""
