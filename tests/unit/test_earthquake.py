@@ -222,6 +222,7 @@ def test_combinations_shake_permanent_masses_and_the_share_of_variable_ones(
     assert cart == pytest.approx(dead + 0.1 * 0.3 * 1000.0 * G)
     told = [one.text for one in found.sentences() if "earthquake" in one.text]
     assert any("40 kN of fill and 10 kN of loads" in one for one in told)
+    assert [one.partition(" (in ")[2][:-1] in pushed for one in told] == [True, True]
 
 
 PRESSED = (

@@ -1,6 +1,7 @@
 """Fill on bridges and earth behind walls: sums, levels, hidden faces, and what is refused."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -555,6 +556,10 @@ def test_what_earth_presses_with_stands_in_the_name_of_a_load() -> None:
     assert earth.on(tower(2)).name == f"{told} and wall friction 0.364, at most its own"
     wet = Earth.named("side=-x,weight=18kN/m3,k=active:30deg,surcharge=5kPa,water=0.5m")
     assert wet.on(tower(2)).name == f"{told} and surcharge 5 kPa and water to 0.5 m"
+    notes = [replace(wet, water=one).on(tower(2)).notes[-1] for one in (0.5, 2.0, 2.5)]
+    above = "water, a level, stands 0.5 m above what it presses"
+    assert [one == above for one in notes] == [False, False, True]
+    assert Fill(0.0, 0.0, spread=0.0).words == "no fill: a load acts where it stands"
     fill = Fill.named("cover=0.3m,weight=20kN/m3,k=rest:30deg")
     told = "fill of 20 kN/m3 to 0.3 m above the crown with K 0.5, passive none"
     assert fill.on(tower(2)).name == f"{told} (a load spreads 0.5 by depth, evenly)"

@@ -105,17 +105,18 @@ def check(
     wanted.require_through(model.assembly)
     result = safe(solve(model, waiting, time_limit, strict), waiting)
     why = mend_command.short(result, waiting)
-    then = ["mend"] if why else []
+    then: list[tuple[str, ...]] = [("mend",)] if why else []
     if result.stable and result.tilt_margin is None:
         from drystone.loads.applied import is_vertical
 
-        still = "limit train" if model.load.fills else "limit shrink"
-        then = ["limit tilt" if is_vertical(model.load) else still]
+        train = ("limit train", "--train", "lm1")
+        still = train if model.load.fills else ("limit shrink",)
+        then = [("limit tilt",) if is_vertical(model.load) else still]
         rubs = result.friction_margin is None and model.contacts.plain.all()
-        then += ["limit friction"] * bool(rubs)
+        then += [("limit friction",)] * bool(rubs)
     return Told(
         result, why, exit_code=exit_code(result, strict), notes=result.model.notes,
-        files=partial(wanted.of, result), then="; ".join(map(subject.command, then)),
+        files=partial(wanted.of, result), then="; ".join(subject.command(*one) for one in then),
     )  # fmt: skip
 
 

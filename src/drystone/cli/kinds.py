@@ -10,7 +10,7 @@ import click
 from click.shell_completion import CompletionItem
 
 from drystone.base import units
-from drystone.base.errors import FormatError, InputError, located
+from drystone.base.errors import FormatError, InputError
 from drystone.base.files import is_there, plain_target
 
 if TYPE_CHECKING:
@@ -48,8 +48,11 @@ class OptionKind(click.ParamType):  # type: ignore[type-arg]  # generic since cl
         """The value of a text; defaults are not converted."""
         if not isinstance(value, str):
             return value
-        with located(named(param)):
+        try:
             return self.read(value)
+        except InputError as error:
+            file = f" {error.where}" if isinstance(error, FormatError) and error.where else ""
+            raise error.located(named(param) + file) from error
 
     def get_metavar(self, param: click.Parameter, ctx: click.Context | None = None) -> str:  # noqa: ARG002
         """What stands for the value in help."""

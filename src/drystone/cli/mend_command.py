@@ -125,6 +125,12 @@ def mend(
     return told
 
 
+_OF_BRIDGES = (
+    "backing of the haunches, a saddle and more cover are not tried: build them, such as by "
+    "drystone models segmental-bridge --set backing=0.6 --set ring=0.7, or by cover of the fill"
+)
+
+
 def _notes(mends: Mends, chosen: MendOptions, everything: bool) -> list[str]:
     """What is not in the list of mends, or that there is more; and that no margin was asked for."""
     notes = mends.failures() if everything else []
@@ -132,6 +138,10 @@ def _notes(mends: Mends, chosen: MendOptions, everything: bool) -> list[str]:
         notes = ["--all lists every mend, and all that was tried without success"]
     if mends.mends and not chosen.margin.words:
         notes.append("no margin was asked for: --margin tilt=2deg asks for one")
+    if chosen.train is not None and mends.diagnosis.regions:
+        if not any(one.stands for one in mends.mends):
+            notes.append("no mend carries the train at all places: --auto goes on to the next one")
+        notes.append(_OF_BRIDGES)
     return notes
 
 

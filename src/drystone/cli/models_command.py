@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from drystone.base import units
 from drystone.base.errors import InputError, MissingDependency, counted
+from drystone.base.hints import documented
 from drystone.cli import families, kinds, offered
 from drystone.cli.check_command import safe, solve
 from drystone.cli.command import command
@@ -73,7 +74,7 @@ def models(
 
         return ([(out, partial(io.write, assembly))] if out is not None else []), []
 
-    return Told(_one_family(values), subject=values["family"], files=files)
+    return Told(_one_family(values, documented(build)), subject=values["family"], files=files)
 
 
 def _told(name: str) -> dict[str, Any]:
@@ -100,7 +101,7 @@ def _all_families() -> Answer:
     return Statement(told, (Table("names", columns),), {"families": rows})
 
 
-def _one_family(values: dict[str, Any]) -> Answer:
+def _one_family(values: dict[str, Any], told_of: dict[str, dict[str, Any]]) -> Answer:
     from drystone.answer import Role, Sentence, Statement
     from drystone.base.table import Table
 
@@ -114,7 +115,8 @@ def _one_family(values: dict[str, Any]) -> Answer:
     if values["loses"]:
         told.append(Sentence(f"this format does not store {values['loses']}", Role.REMARK))
     chosen = {**values["parameters"], **values["set"]}
-    shown = ["not set" if value is None else str(value) for value in chosen.values()]
+    left = {name: one["text"].partition(";")[0] for name, one in told_of.items()}
+    shown = [left[name] if value is None else str(value) for name, value in chosen.items()]
     table = Table("its parameters", {"parameter": list(chosen), "value": shown})
     return Statement(tuple(told), (table,), values)
 

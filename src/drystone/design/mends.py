@@ -141,6 +141,11 @@ _LOADED = "; it keeps the loads: do not give them again, or leave those of it ou
 
 _LET_IN = "; joints that are let in, wedged or turned may need props on the way"
 
+_TIED = (
+    "a tie is told with what it bears where it is as stiff as a joint and never yields; one that "
+    "yields may bear less: give its strength, as --tie A:B:20kN, and check it"
+)
+
 _DRAWN = 5_000
 """Blocks of all mends on a page, which is then 5 MB. Chosen; further mends are listed only."""
 
@@ -327,6 +332,8 @@ class Mends(Answer):
         loaded = bool(load.each or load.masses or load.shake.any())
         told = _BUILT + _LOADED * loaded + _LET_IN * recut
         built = [Sentence(told, Role.REMARK)] if self.mends else []
+        tied = any(one.change.kind == "tie" for one in self.mends)
+        built += [Sentence(_TIED, Role.REMARK)] * tied
         said = [verdict, Sentence(self.message), *mends, *built, *failed, *reasons]
         return [one for one in said if one.text]
 

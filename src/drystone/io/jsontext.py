@@ -139,7 +139,8 @@ class Field:
 
     def get(self, key: str, default: Any) -> Field:
         """The field of ``key``; a field with ``default`` if it is missing or null."""
-        return self[key] if self.has(key) else Field(default, f"{self.path}.{key}", self.file)
+        path = f"{self.path}.{key}".lstrip(".")
+        return self[key] if self.has(key) else Field(default, path, self.file)
 
     def only(self, keys: Mapping[str, Any] | tuple[str, ...]) -> None:
         """Refuse keys other than the given ones; those that start with ``_`` are comments."""

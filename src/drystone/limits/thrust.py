@@ -65,7 +65,9 @@ class ThrustBounds(Answer):
         """Both bounds, and along what they are measured."""
         along = ", ".join(f"{x:.3g}" for x in self.direction)
         said = [Sentence(self.title, Role.BAD if np.isnan(self.least) else Role.GOOD)]
-        said.append(Sentence(f"measured along ({along}); forces by equilibrium alone"))
+        other = ", negative the other way" if self.least < 0.0 else ""
+        other += " (as at the far end of an arch, or where earth pushes more)" if other else ""
+        said.append(Sentence(f"measured along ({along}){other}; forces by equilibrium alone"))
         if np.isinf(self.most):
             said.append(Sentence("blocks wedged between supports can be pressed without limit"))
         return said

@@ -107,11 +107,17 @@ class TrainEnvelope(Answer):
 
     @property
     def carries(self) -> tuple[str, ...]:
-        """What each factor says: ``this factor``, ``any factor``, ``not found``, or ``none``."""
+        """What each factor says: ``this factor``, ``any factor``, ``not found``, or ``none``.
+
+        And where a verdict is undecided under the least one of all.
+        """
         if self.falls_alone:
             return ("none (falls without the train)",) * len(self.places)
         told = {True: "any factor", False: "this factor"}
-        return tuple("not found" if np.isnan(x) else told[x == np.inf] for x in self.factors)
+        each = ["not found" if np.isnan(x) else told[x == np.inf] for x in self.factors]
+        for i in self._undecided:
+            each[i] += " by equilibrium; a verdict is undecided"
+        return tuple(each)
 
     @property
     def model(self) -> Model:

@@ -191,5 +191,7 @@ class Earth(Options):
         notes: tuple[str, ...] = (f"{note}10 degrees, square to them",) if ends else ()
         if self.water is not None and self.water > lowest:
             notes += (_UPLIFT,)
+        if self.water is not None and self.water > (high := float(strips.t.max())):
+            notes += (f"water, a level, stands {self.water - high:.3g} m above what it presses",)
         wrench = strips.wrenches(assembly, traction)
         return LoadCase(wrench, name, notes, surface=surface, each=GivenLoad.of(name, wrench))

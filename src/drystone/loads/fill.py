@@ -97,6 +97,8 @@ class Fill(Options):
         >>> rest
         'passive none (a load spreads 0.5 by depth, evenly)'
         """
+        if not (self.cover or self.weight or self.spread):
+            return "no fill: a load acts where it stands"
         fill = f"fill of {quantity(self.weight, 'N')}/m3" if self.weight else "no weight of fill"
         law = "evenly" if self.law == "even" else "as in an elastic half space"
         passive = f"{self.passive:.3g}" if self.passive else "none"

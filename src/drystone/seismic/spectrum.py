@@ -178,7 +178,7 @@ class SeismicDemand(OneLine):
             Something is missing, not known, or has no unit.
         """
         top = parse_toml(read_bytes(path), as_path(path))
-        code = top["code"]
+        code = top.get("code", "not given")
         own = {"ec8": ("type",), "ntc": ("F0", "TC_star", "topography")}
         if code.text() not in own:
             raise code.error(f"is '{code.text()}'", "give ec8 or ntc")

@@ -147,9 +147,15 @@ class Combinations(Answer):
             divided += f", of ties by {by.tie:g}{none}"
         said.append(Sentence(divided))
         said += [Sentence(one, Role.REMARK) for one in self._not_apart]
-        reached = self.each[: len(self.results)]
-        shaken = [Shaken.of(self.governing.assembly, one.load) for one in reached]
-        said += [Sentence(one, Role.REMARK) for one in dict.fromkeys(x.words for x in shaken if x)]
+        shaken: dict[str, str] = {}
+        for one in self.each[: len(self.results)]:
+            quake = Shaken.of(self.governing.assembly, one.load)
+            if quake is not None:
+                shaken.setdefault(quake.words, one.words)
+        each = (
+            f"{what} (in {one})" if shaken.keys() - {what} else what for what, one in shaken.items()
+        )
+        said += [Sentence(one, Role.REMARK) for one in each]
         return said + self._unfinished()
 
     @property

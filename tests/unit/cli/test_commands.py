@@ -60,6 +60,12 @@ def test_a_check_without_a_margin_names_the_command_that_finds_it(
     _, told = answer(capsys, "check", model, "--joint-capacity", "tension=1kPa")
     assert told["next"] == f"drystone limit tilt {model} --joint-capacity tension=1kPa"
     assert main(shlex.split(told["next"])[1:]) == 0
+    assert main(["models", "segmental-bridge", "--set", "voussoirs=4", "--out", model]) == 0
+    assert "Of the intrados, 6 and 1.5 when left out" in capsys.readouterr().out
+    words = ("--load", "fill:cover=0.3m,weight=20kN/m3,k=0.3,passive=1.5", "--tie", "fill")
+    _, told = answer(capsys, "check", model, *words)
+    assert told["next"].startswith(f"drystone limit train {model} --load fill:")
+    assert told["next"].endswith(" --tie fill --train lm1")
 
 
 def test_check_names_the_blocks_that_fall_and_what_would_hold_them(

@@ -262,6 +262,7 @@ def test_check_writes_the_forces_of_corners(model: str, tmp_path: Path, capsys: 
         ),
         (["check", "MODEL", "--strength", "5"], "strength '5' is not a number with a unit"),
         (["limit", "tilt", "MODEL", "--strength", "5kN"], "--strength: "),
+        (["limit", "train", "MODEL", "--train", "no.toml"], "--train no.toml: there is no such"),
         (["limit", "train", "MODEL", "--train", "lm71"], "--train: 'lm71' is 4.8 m long, the"),
         (
             ["limit", "train", "MODEL", "--fill", "cover=-0.1m,weight=20kN/m3"],

@@ -293,7 +293,11 @@ def test_a_facade_that_a_roof_pushes_is_tied_back_at_its_top(
     push = LoadCase.point_load(blocks, 2, (0.0, -12e3, 0.0), (0.0, 0.25, 4.0))
     model = Model.of(blocks.with_fixed(["ground", *behind]), friction=0.6)
     model = model.with_load(model.load + push + LoadCase.seismic(blocks, 0.0, -0.01))
-    (found,) = find_mends(model, options=MendOptions(kinds=("tie",))).mends
+    mends = find_mends(model, options=MendOptions(kinds=("tie",)))
+    (found,) = mends.mends
+    assert any(
+        "where it is as stiff as a joint and never yields" in x.text for x in mends.sentences()
+    )
     least = 24e3 - 0.24 * 9.81 * float(blocks.mass[1])
     assert 0.999 * least < found.change.value < 1.5 * least
     assert pull in found.change.description

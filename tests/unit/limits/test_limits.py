@@ -246,6 +246,10 @@ def test_thrust_bounds_contain_every_equilibrium_and_are_met_by_their_states() -
     foot = joints.block_b == assembly.index("springer-right")
     result = solve_rbe(Model(assembly, joints))
     assert bounds.least_state is not None
+    assert bounds.sentences()[1].text == "measured along (1, 0, 0); forces by equilibrium alone"
+    left = thrust_bounds(Model(assembly, joints), "springer-left", "x")
+    assert left.most == pytest.approx(-bounds.least, rel=1e-4)
+    assert "(1, 0, 0), negative the other way (as at the far end" in left.sentences()[1].text
     thrust = [float(each.resultants.force[foot][0, 0]) for each in (result, bounds.least_state)]
     assert bounds.least - 1e-3 <= thrust[0] <= bounds.most + 1e-3
     assert thrust[1] == pytest.approx(bounds.least, rel=1e-6)
