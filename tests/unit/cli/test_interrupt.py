@@ -1,19 +1,15 @@
 """Ctrl-C: what is known is told, and what is said about files is true."""
 
 import contextlib
-import functools
 import importlib
 import json
 import multiprocessing
 import os
 import signal
-import sys
 import tempfile
 import threading
 import time
-from collections.abc import Callable
 from dataclasses import replace
-from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
@@ -27,32 +23,13 @@ from drystone.cli.waiting import Waiting
 from drystone.model import Model
 from drystone.models import tower, wall
 from drystone.sequence import LocalWorkers
+from tests.unit.cli import child
 
 posix = pytest.mark.skipif(os.name == "nt", reason="signals to other processes")
 
 
 PARTS = ("cli.check_command", "cli.waiting", "limits.inside", "sequence.solving")
 """Modules that every child would load."""
-
-
-def program(code: str, arguments: tuple[str, ...], out: str, told: Connection) -> None:
-    """The program in a child, with a part replaced."""
-    with Path(out).open("wb") as file:
-        os.dup2(file.fileno(), 1)
-    os.dup2(told.fileno(), 2)
-    for one in (signal.SIGTERM, signal.SIGHUP):  # nohup has them ignored
-        signal.signal(one, signal.SIG_DFL)
-
-    def tell(words: str) -> None:
-        os.write(2, f"{words}\n".encode())
-
-    def wait(stop: Callable[[], bool] = lambda: False) -> None:
-        end = time.monotonic() + 60.0
-        while not stop() and time.monotonic() < end:
-            time.sleep(0.01)
-
-    exec(code, {"tell": tell, "wait": wait, "signal": signal, "functools": functools})
-    sys.exit(main(arguments))
 
 
 class Child:
@@ -63,12 +40,13 @@ class Child:
 
     def __init__(self, code: str, *arguments: str) -> None:
         context = multiprocessing.get_context("forkserver")
-        context.set_forkserver_preload([__name__, *(f"drystone.{one}" for one in PARTS)])
+        parts = (child.__name__, *(f"drystone.{one}" for one in PARTS))
+        context.set_forkserver_preload([*parts])
         self.out = Path(tempfile.mkdtemp()) / "stdout"
         told, telling = context.Pipe(duplex=False)
         self.err = os.fdopen(os.dup(told.fileno()), encoding="utf-8")
         given = (code, arguments, str(self.out), telling)
-        self.process = context.Process(target=program, args=given)
+        self.process = context.Process(target=child.program, args=given)
         self.process.start()
         telling.close()
 
