@@ -69,20 +69,16 @@ def equilibrium(assembly: Assembly, contacts: Contacts) -> csr_array:
 
     Rows of fixed blocks are zero. Lengths are divided by the largest block, so that rows compare.
     """
-    size = float(assembly.size.max())
-    rows, cols, values = [], [], []
-    for corner, (point, i) in enumerate(zip(contacts.point, contacts.interface, strict=True)):
-        for block, sign in ((contacts.block_b[i], 1.0), (contacts.block_a[i], -1.0)):
-            if assembly.fixed[block]:
-                continue
-            arm = (point - assembly.centroid[block]) / size
-            for axis in range(3):
-                force = sign * np.eye(3)[axis]
-                wrench = np.concatenate([force, np.cross(arm, force)])
-                rows += range(6 * block, 6 * block + 6)
-                cols += [3 * corner + axis] * 6
-                values += wrench.tolist()
-    return coo_array((values, (rows, cols)), (6 * len(assembly), 3 * contacts.corner_count)).tocsr()
+    on = np.stack([contacts.block_b, contacts.block_a], axis=1)[contacts.interface]
+    arm = (contacts.point[:, None] - assembly.centroid[on]) / float(assembly.size.max())
+    force = np.multiply.outer([1.0, -1.0], np.eye(3))  # of each block along each axis
+    wrench = np.zeros((len(on), 2, 3, 6))
+    wrench[..., :3], wrench[..., 3:] = force, np.cross(arm[:, :, None], force)
+    rows = np.broadcast_to(6 * on[..., None, None] + np.arange(6), wrench.shape)
+    cols = np.broadcast_to(np.arange(3 * len(on)).reshape(-1, 1, 3, 1), wrench.shape)
+    free = ~assembly.fixed[on]
+    where = (rows[free].ravel(), cols[free].ravel())
+    return coo_array((wrench[free].ravel(), where), (6 * len(assembly), 3 * len(on))).tocsr()
 
 
 def generators(contacts: Contacts, sides: int, outside: bool) -> csr_array:
