@@ -14,18 +14,23 @@ import os
 import statistics
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 import drystone
+from benchmarks.curved import curved_vault
 from benchmarks.machine import commit, processor
-from drystone import io
+from drystone import Assembly, io
 from drystone.live.serving import Live
 from drystone.models import arch, vault
 
+OURS: dict[str, tuple[Callable[[], Assembly], float]] = {
+    "arch": (lambda: arch(0.2, 28), 0.9), "vault": (vault, 0.7), "curved": (curved_vault, 0.9),
+}  # fmt: skip
+"""Models of ours and their friction."""
 WISHES = 200
 MANY = 1000
 TRIES = 4
@@ -194,7 +199,7 @@ def growth(file: Path, many: int) -> None:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument(
-        "models", nargs="*", default=["arch", "vault"], help="arch, vault, or a file of supports"
+        "models", nargs="*", default=list(OURS), help="one of ours, or a file of supports"
     )
     parser.add_argument("--wishes", type=int, default=WISHES)
     parser.add_argument("--many", type=int, default=MANY, help="wishes of the look at growth")
@@ -205,13 +210,11 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         files = []
         for name in chosen.models:
-            file = Path(folder) / f"{name}.json"
-            if name == "arch":
-                io.write(drystone.Model.of(arch(0.2, 28), friction=0.9), file)
-            elif name == "vault":
-                io.write(drystone.Model.of(vault(), friction=0.7), file)
-            else:
-                file = Path(name)
+            file = Path(name)
+            if name in OURS:
+                file = Path(folder) / f"{name}.json"
+                made, friction = OURS[name]
+                io.write(drystone.Model.of(made(), friction=friction), file)
             files.append(file)
         if chosen.wishes:
             print(

@@ -17,10 +17,10 @@ import numpy as np
 from drystone.base.arrays import Bools, Floats, frozen, frozen_floats, frozen_points, number
 from drystone.base.display import OneLine
 from drystone.base.errors import DefectKind, InputError, located
-from drystone.geometry.polyhedron import body_mass_properties
+from drystone.geometry.polyhedron import Fan, body_mass_properties
 from drystone.geometry.selfcontact import self_contacts
 from drystone.geometry.soup import separate_parts
-from drystone.geometry.surface import closed_surface
+from drystone.geometry.surface import closed_surface, fan_of
 
 DEFAULT_DENSITY = 2400.0
 """[kg/m3], chosen: dense limestone and plain concrete. Verdicts under self-weight do not depend
@@ -87,27 +87,34 @@ class Block(OneLine):
         with located(where):
             vertices = frozen_points(self.vertices, (None, 3), "vertices")
             surface = closed_surface(self.faces, len(vertices))
-        vertices = frozen(surface.select(vertices))
-        bounds = frozen(np.array([vertices.min(axis=0), vertices.max(axis=0)]))
-        extent = math.dist(*bounds.tolist())
-        if 0.0 < extent < _SMALLEST:
-            raise InputError(f"it is {extent:.3g} m across", where=where, remedy="give metres")
-        volume, centroid = body_mass_properties(vertices, surface.fan)
-        if abs(volume) <= _FLAT * extent**3:
-            raise InputError(
-                f"its volume is zero ({volume:.3g} m3)", where=where, remedy="give it a thickness"
-            )
-        if volume < 0.0:
-            surface, volume = surface.turned(), -volume
         set_ = object.__setattr__
-        set_(self, "vertices", vertices)
         set_(self, "faces", surface.loops)
         set_(self, "density", density)
         set_(self, "metadata", MappingProxyType(dict(self.metadata)))
         set_(self, "repairs", (*self.repairs, *surface.notes))
-        set_(self, "volume", volume)
+        if self._lie(frozen(surface.select(vertices)), surface.fan):
+            turned = surface.turned()
+            set_(self, "faces", turned.loops)
+            set_(self, "repairs", (*self.repairs, *turned.notes[len(surface.notes) :]))
+
+    def _lie(self, vertices: Floats, fan: Fan) -> bool:
+        """Lay the vertices (v, 3) [m] somewhere; whether the faces point inwards there."""
+        where = f"block '{self.name}'"
+        bounds = frozen(np.array([vertices.min(axis=0), vertices.max(axis=0)]))
+        extent = math.dist(*bounds.tolist())
+        if 0.0 < extent < _SMALLEST:
+            raise InputError(f"it is {extent:.3g} m across", where=where, remedy="give metres")
+        volume, centroid = body_mass_properties(vertices, fan)
+        if abs(volume) <= _FLAT * extent**3:
+            raise InputError(
+                f"its volume is zero ({volume:.3g} m3)", where=where, remedy="give it a thickness"
+            )
+        set_ = object.__setattr__
+        set_(self, "vertices", vertices)
+        set_(self, "volume", abs(volume))
         set_(self, "centroid", frozen(centroid))
         set_(self, "bounds", bounds)
+        return volume < 0.0
 
     def _summary(self) -> str:
         return (
@@ -155,10 +162,14 @@ class Block(OneLine):
         with np.errstate(over="ignore", invalid="ignore"):  # what is too far is refused below
             moved = self.vertices @ matrix.T + frozen_floats(translation, (3,), "translation")
             mirrored = np.linalg.det(matrix) < 0.0
-        faces = tuple(f[::-1] for f in self.faces) if mirrored else self.faces
-        return Block(
-            moved, faces, self.name, self.density, self.metadata, self.repairs, self.checked
-        )
+        made = object.__new__(Block)
+        made.__dict__.update(self.__dict__)
+        if mirrored:
+            object.__setattr__(made, "faces", tuple(face[::-1] for face in self.faces))
+        with located(f"block '{self.name}'"):
+            vertices = frozen_points(moved, (None, 3), "vertices")
+        made._lie(vertices, fan_of(made.faces, len(vertices)))
+        return made
 
     def renamed(self, name: str) -> Block:
         """The same block under another name."""

@@ -71,6 +71,11 @@ def closed_surface(faces: Iterable[Sequence[int]], count: int) -> _SurfaceTopolo
     return _shared(loops, count) if len(loops) <= SHARED_FACES else _surface(loops, count)
 
 
+def fan_of(faces: tuple[Loop, ...], count: int) -> Fan:
+    """The fan of a surface over ``count`` vertices that is known to be closed."""
+    return _shared(faces, count).fan if len(faces) <= SHARED_FACES else Fan.of(faces)
+
+
 def _integers(faces: Iterable[Sequence[int]]) -> tuple[Loop, ...]:
     loops: list[Loop] = []
     for face in faces:

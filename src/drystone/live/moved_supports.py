@@ -77,11 +77,11 @@ def _coarsely(model: Model, steps: CoarseSteps | None, before: Floats | None) ->
     found = None if steps is None or motion is None else steps.moved(motion, _COARSE_S)
     if found is None or motion is None:
         return _in_proportion(model, before)
-    state, done = found
-    size = units.quantity(float(np.linalg.norm(motion[:, :3], axis=1).max()), "m")
-    far = size if done >= 1.0 else f"{units.quantity(state.displacement, 'm')} of {size} so far"
+    state, rests = found
+    size = units.quantity(state.displacement, "m")
+    yet = "" if rests else ", not at rest yet"
     seen = _on_the_way(model, state)
-    headline = f"Supports moved by {far}, in coarse steps; it is being followed in fine ones"
+    headline = f"Supports moved by {size}, in coarse steps{yet}; it is being followed in fine ones"
     return replace(seen, stage=replace(seen.stage, headline=headline))
 
 
@@ -262,11 +262,11 @@ class CoarseSteps:
             return None
         return _Place(driver, np.zeros((len(self.model), 6)))
 
-    def moved(self, motion: Floats, seconds: float) -> tuple[LargeState, float] | None:
-        """Blocks and forces where supports have moved, and the share of their way that is done.
+    def moved(self, motion: Floats, seconds: float) -> tuple[LargeState, bool] | None:
+        """Blocks and forces where supports have moved, and whether they rest; None: not found.
 
-        They go on from where they were last, or from rest where that is nearer. At least one
-        increment is made, and none is begun after it where ``seconds`` have passed.
+        They go on from where they were last, or from rest where that is nearer. No increment but
+        the first is begun where ``seconds`` have passed.
 
         Parameters
         ----------
@@ -278,15 +278,15 @@ class CoarseSteps:
         wanted = scaled_motion(self.bodies, motion)
         nearer = np.linalg.norm(wanted - self.last.motion) < np.linalg.norm(wanted)
         begin = self.last if nearer else self.rest
-        driver, way = begin.driver.again(), wanted - begin.motion
-        end = time.monotonic() + seconds
-        done = driver.shift_at_once(way, lambda: time.monotonic() > end)
-        reached = begin.motion + done * way
-        self.last = _Place(driver, reached)
-        length = float(np.linalg.norm(reached[:, :3], axis=1).max()) * self.bodies.length_unit
+        driver, end = begin.driver.again(), time.monotonic() + seconds
+        rests = driver.shift_at_once(wanted - begin.motion, lambda: time.monotonic() > end)
+        if rests is None:
+            return None
+        self.last = _Place(driver, wanted)
+        length = float(np.linalg.norm(motion[:, :3], axis=1).max())
         moment = driver.now()._replace(displacement=1.0, load=0.0)
         state = large_state(self.model, self.apart, self.bodies, moment, driver.met, length, 1.0)
-        return state, done
+        return state, rests
 
 
 FOLLOWED_KINDS = tuple(kind for kind in MendOptions().kinds if kind != "glue")

@@ -59,11 +59,6 @@ AT_ONCE = (1.0, 1e-1, 1e-2, 1e-3, 1e-4, 1e-7)
 """Drag in turn, by the first one, where the blocks come to rest in one increment; the last one
 carries less than a thousandth of the load. Chosen: a vault of 97 blocks rests in 0.05 s, one of 399
 in 0.5 s."""
-SHORTER, LONGER = 0.25, 2.0
-"""Factors on the length of the next long increment: after one that was not found, and after one
-that was."""
-LEAST_SHARE = 1e-6
-"""Share of the motion below which long increments are not made shorter."""
 KEPT = 120
 """Moments that are kept; of more, every other one is left out."""
 
@@ -147,22 +142,30 @@ class Driver(Follower):
         return other
 
     @one_blas_thread()
-    def shift_at_once(self, motion: Floats, late: Callable[[], bool]) -> float:
-        """Move the supports by (n, 6) in long increments; the share of the way that is done.
+    def shift_at_once(self, motion: Floats, late: Callable[[], bool]) -> bool | None:
+        """Move the supports by (n, 6) in one long increment; whether the blocks rest after it.
 
-        At least one increment is made, however short, and none is begun after it when it is late.
+        The drag falls as in :meth:`rest_at_once`. Where no increment is found with less of it, the
+        blocks go where the last one leads, and on from there until it is late. None where not even
+        the first increment is found.
         """
-        done, step = 0.0, 1.0
-        while done < 1.0 - 1e-12 and step > LEAST_SHARE and not (done > 0.0 and late()):
-            step = min(step, 1.0 - done)
-            found, _ = self.increment(None, step * motion)
-            if found is None:
-                step *= SHORTER
+        found: Increment | None = None
+        guess: Floats | None = None
+        moving: Floats | None = motion
+        at = 0
+        while at < len(AT_ONCE) and (found is None or not late()):
+            self.drag = AT_ONCE[at] * self.first
+            further, _ = self.increment(guess, moving)
+            if further is not None:
+                found, guess, at = further, further.motion, at + 1
+            elif found is None or guess is None:
+                break
             else:
-                self.accept(found, step * motion)
-                done += step
-                step *= LONGER
-        return done
+                self.accept(found, moving)
+                guess, moving, at = None, None, at - 1
+        if found is not None and guess is not None:
+            self.accept(found, moving)
+        return None if found is None else at == len(AT_ONCE)
 
     def now(self) -> DrivenState:
         """Where the blocks are."""
