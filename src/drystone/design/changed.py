@@ -13,7 +13,7 @@ import numpy as np
 from drystone.answer import Answer, Layer, LayerKind, Question, Role, Scene, Sentence, State
 from drystone.assembly import Assembly
 from drystone.base.arrays import SAME, Bools, Floats, cross
-from drystone.base.display import OneLine, named
+from drystone.base.display import OneLine, named, rounded_down
 from drystone.base.errors import InputError, counted
 from drystone.base.table import Table
 from drystone.design.props import posts
@@ -136,6 +136,15 @@ class Changed(Answer):
     def change(self) -> Kept:
         """The first one of its changes, the only one of a mend."""
         return self.changes[0]
+
+    @property
+    def price(self) -> str:
+        """Its cost, and its margin where that is known, in words."""
+        told, margin = f"cost {self.change.cost:.3g}", self.result.tilt_margin
+        if margin is None:
+            return told
+        tilt = rounded_down(margin, 2)
+        return told + (f", margin: {tilt:g} degrees of tilt" if tilt >= 0.1 else ", no margin")
 
     @cached_property
     def touched(self) -> frozenset[tuple[str, ...]]:

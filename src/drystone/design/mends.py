@@ -14,7 +14,7 @@ import numpy as np
 from drystone.answer import Answer, Role, Scene, Sentence
 from drystone.answer.chart import Chart
 from drystone.answer.scene import side_by_side
-from drystone.base.display import named, rounded_down
+from drystone.base.display import named
 from drystone.base.errors import InputError, counted
 from drystone.base.settings import Clock, LongWork, Options, Stop, checked_call
 from drystone.base.workers import WorkerPool
@@ -347,15 +347,10 @@ class Mends(Answer):
 
     def _listed(self) -> list[str]:
         """A line for each mend."""
-        lines = []
-        for number, one in enumerate(self.mends, 1):
-            kept, result = one.change, one.result
-            told = f"cost {kept.cost:.3g}"
-            if result.tilt_margin is not None:
-                tilt = rounded_down(result.tilt_margin, 2)
-                told += f", margin: {tilt:g} degrees of tilt" if tilt >= 0.1 else ", no margin"
-            lines.append(f"mend {number}: {kept.description} ({told})")
-        return lines
+        return [
+            f"mend {number}: {one.change.description} ({one.price})"
+            for number, one in enumerate(self.mends, 1)
+        ]
 
     def _shown(self, lines: Sequence[str]) -> dict[int, str]:
         """The lines of mends, by position; of those of one kind in other joints that of the first.

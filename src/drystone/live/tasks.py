@@ -145,7 +145,7 @@ def _told(mend: Changed) -> dict[str, Any]:
         "kind": mend.change.kind,
         "blocks": list(mend.change.blocks),
         "what": mend.change.description,
-        "cost": mend.change.cost,
+        "price": mend.price,
         "ghost": _ghost(mend),
     }
 

@@ -4,6 +4,7 @@ import json
 import multiprocessing
 import os
 import pickle
+import re
 import signal
 import subprocess
 import sys
@@ -130,9 +131,12 @@ def test_a_mend_is_shown_made_saved_and_stands(
         assert found["mends"]
         told = [one for one in window.events if one["event"] == "mend"]  # as they were found
         assert [one["number"] for one in told] == list(range(len(told)))
-        assert {one["number"]: one["what"] for one in found["mends"]} == {
-            one["number"]: one["mend"]["what"] for one in told
+        said = {one["number"]: f"{one['what']} ({one['price']})" for one in found["mends"]}
+        assert said == {
+            one["number"]: f"{one['mend']['what']} ({one['mend']['price']})" for one in told
         }
+        assert all("(cost " in one for one in said.values())  # the cheapest have a margin
+        assert any(re.search(r"\(cost .*margin", one) for one in said.values())
         assert all(len(line) == 6 for one in found["mends"] for line in one["ghost"])
         number = window.task("apply", {"mend": 0}, tilt=1.0)
         made = window.until("model", number)

@@ -123,8 +123,8 @@ function showMend(mend, number) {
   const made = button(mend.what, () => {
     showGhostOf(null);
     task("apply", { mend: number });
-  }, { title: `cost ${Number(mend.cost.toPrecision(3))}; ${mend.blocks.join(", ")}` });
-  made.append(" ", element("small", `for ${someOf(mend.blocks)}`));
+  }, { title: mend.blocks.join(", ") });
+  made.append(" ", element("small", `for ${someOf(mend.blocks)} (${mend.price})`));
   for (const event of ["pointerenter", "focus"]) made.addEventListener(event, () => showGhostOf(mend.ghost));
   for (const event of ["pointerleave", "blur"]) made.addEventListener(event, () => showGhostOf(null));
   byId("mends").append(made);
