@@ -93,8 +93,9 @@ def spot(tab: Tab, draw: random.Random, words: str) -> tuple[float, float, str] 
       return [box.x, box.y, box.width, box.height];
     })()""")
     across, down = (np.arange(0.1 * size, 0.9 * size, APART) for size in (wide, high))
-    # each once, in any order: of places drawn one by one, 400 missed the springers of an arch
-    places = [(left + dx, top + dy) for dx in across for dy in down]
+    # each once, in any order: of places drawn one by one, 400 missed the springers of an arch;
+    # on whole pixels, as a browser tells presses, not moves, in whole ones
+    places = [(round(left + dx), round(top + dy)) for dx in across for dy in down]
     draw.shuffle(places)
     for x, y in places:
         if tab.run(f"document.elementFromPoint({x}, {y}) !== document.getElementById('view')"):
