@@ -211,7 +211,7 @@ function cssColour(parts) {
   return `rgb(${parts.map((x) => Math.round(255 * x)).join(" ")})`;
 }
 
-const PREFIXES = [[1e9, "G"], [1e6, "M"], [1e3, "k"], [1, ""], [1e-3, "m"], [1e-6, "\u00b5"]];
+const PREFIXES = [[1e9, "G"], [1e6, "M"], [1e3, "k"], [1, ""], [1e-3, "m"], [1e-6, "\u00b5"], [1e-9, "n"]];
 
 function quantity(value, unit) {
   if (!Number.isFinite(value)) return value > 0 ? "\u221e" : "\u2013";

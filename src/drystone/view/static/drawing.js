@@ -213,9 +213,11 @@ function markColours() {
 }
 
 // On paper the picture is made smaller, and its marks are drawn larger by as much.
+const markSize = () => (page.printing ? Math.max(1, sizeOf().width / PAPER) : 1);
+
 function drawMarks(pen, seen, ratio) {
   const whole = sizeOf();
-  const grown = page.printing ? Math.max(1, whole.width / PAPER) : 1;
+  const grown = markSize();
   const size = { width: whole.width / grown, height: whole.height / grown };
   const view = { ...seen, metresPerPixel: seen.metresPerPixel * grown };
   const colours = markColours();

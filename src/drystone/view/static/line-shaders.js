@@ -172,7 +172,9 @@ void main() {
   vec2 owner = vec2(first.w, second.w);
   spot = vec2(END[corner] == 0 ? -1.0 : 1.0, SIDE[corner]);
   place = carried(first.xyz, owner);
-  if (uTime > 0.0 && owner.x >= 0.0) place = moved(first.xyz, uint(owner.y));
+  if (uTime > 0.0 && owner.x >= 0.0) { // between its two blocks, whichever of them turns
+    place = 0.5 * (moved(first.xyz, uint(owner.x)) + moved(first.xyz, uint(owner.y)));
+  }
   vec4 p = uProjection * vec4(place, 1.0);
   gl_Position = hidden(owner) || p.w < NEAR ? NOWHERE : shifted(p, uSize * spot);
 }`;

@@ -2,6 +2,7 @@
 
 const MOST_LABELS = 250;
 const GIZMO = 34; // [CSS pixels], length of an axis
+const CORNER = 3 * GIZMO; // what they take of the corner with their names
 
 // Labels [{ x, y, depth, text }] that do not cover each other, near ones first.
 function apart(labels, measure, height) {
@@ -102,20 +103,17 @@ function drawGizmo(pen, view, gravity, size, colours) {
     ["x", [1, 0, 0], colours.x], ["y", [0, 1, 0], colours.y], ["z", [0, 0, 1], colours.z],
     ["gravity", vec.scale(gravity, 1.1), colours.ink],
   ].map(([name, v, colour]) => ({ name, colour, at: flat(v) }));
-  pen.fillStyle = colours.paper; // blocks behind it fade
-  pen.globalAlpha = 0.75;
-  pen.beginPath();
-  pen.arc(x, y, GIZMO + 16, 0, 7);
-  pen.fill();
-  pen.globalAlpha = 1;
   pen.textAlign = "center";
   pen.textBaseline = "middle";
-  for (const { name, colour, at } of arrows.sort((a, b) => a.at[2] - b.at[2])) {
+  pen.font = "11px system-ui, sans-serif";
+  const behind = arrows.sort((a, b) => a.at[2] - b.at[2]);
+  const rims = behind.map((one) => ({ ...one, colour: colours.paper, rim: 4 })); // seen on blocks, too
+  for (const { name, colour, at, rim = 0 } of [...rims, ...behind]) {
     const heavy = name === "gravity";
     pen.strokeStyle = pen.fillStyle = colour;
-    pen.lineWidth = heavy ? 2.5 : 1.8;
     const length = Math.hypot(at[0], at[1]);
     if (length < 4) continue;
+    pen.lineWidth = rim + (heavy ? 2.5 : 1.8);
     const [ux, uy] = [at[0] / length, at[1] / length];
     pen.beginPath();
     pen.moveTo(x, y);
@@ -126,8 +124,13 @@ function drawGizmo(pen, view, gravity, size, colours) {
     pen.lineTo(x + at[0] - 7 * ux + 3.5 * uy, y + at[1] - 7 * uy - 3.5 * ux);
     pen.lineTo(x + at[0] - 7 * ux - 3.5 * uy, y + at[1] - 7 * uy + 3.5 * ux);
     pen.fill();
-    pen.font = "11px system-ui, sans-serif";
-    pen.fillText(heavy ? "gravity" : name, x + at[0] + 9 * ux, y + at[1] + 9 * uy);
+    const word = [name, x + at[0] + 9 * ux, y + at[1] + 9 * uy];
+    if (!rim) pen.fillText(...word);
+    else {
+      pen.stroke();
+      pen.lineWidth = rim;
+      pen.strokeText(...word);
+    }
   }
 }
 

@@ -46,6 +46,7 @@ function beforePrint() {
   page.closed = !byId("details").open;
   byId("details").open = true; // paper cannot be clicked
   refreshPanels();
+  if (camera.fits) fit(camera.azimuth, camera.elevation, 0);
   byId("printed").src = pictureOf(2).sheet.toDataURL("image/png");
   byId("printed").hidden = false;
 }
@@ -55,6 +56,7 @@ function afterPrint() {
   byId("details").open = !page.closed;
   byId("printed").hidden = true;
   refreshPanels();
+  if (camera.fits) fit(camera.azimuth, camera.elevation, 0);
 }
 
 function connectExports() {

@@ -5,9 +5,15 @@ const NEARLY = 1.06; // a view from so much farther away is as good
 const flightTime = () => (still.matches ? 0 : FLIGHT);
 
 // What the texts over the picture leave free, as shares of it: left, right, top, bottom. Where the legend is small
-// the model stands above it, or beside it, in the middle or not.
+// the model stands above it, or beside it, in the middle or not. On paper all texts are outside.
 function insets() {
   const { width, height } = sizeOf();
+  const corner = markSize() * CORNER;
+  if (page.printing) {
+    const [edge, low] = [16, 0.4 * corner]; // below it is the scale
+    return [[edge, corner], [corner, low]].map(([right, bottom]) => (
+      { left: edge / width, right: right / width, top: edge / height, bottom: bottom / height }));
+  }
   const shareOf = (id) => byId(id).offsetHeight / height;
   const top = Math.min(0.3, shareOf("verdict") + 8 / height);
   const legend = byId("legend");
@@ -16,9 +22,10 @@ function insets() {
   if (width <= height || legend.offsetWidth >= 0.3 * width) return [above];
   const beside = (legend.offsetWidth + 8) / width;
   const low = { top, bottom: 64 / height };
-  const middle = { left: 40 / width, right: 40 / width };
+  const [wide, narrow] = [40, corner].map((right) => ({ ...above, left: 40 / width, right: right / width }));
   return [
-    { ...low, left: beside, right: beside }, { ...above, ...middle }, { ...low, left: beside, right: 40 / width },
+    { ...low, left: beside, right: beside }, { ...wide, bottom: Math.max(wide.bottom, corner / height) }, narrow,
+    { ...low, left: beside, right: corner / width },
   ];
 }
 
