@@ -150,9 +150,9 @@ _DRAWN = 5_000
 """Blocks of all mends on a page, which is then 5 MB. Chosen; further mends are listed only."""
 
 
-_LONG = 160
+_LONG = 120
 """Characters of a mend above its picture, which more would cover; it is listed beside it in full.
-Chosen: two lines."""
+Two lines: one holds 70 of them."""
 
 _OF_NEEDS = {**{kind: kind for kind in NEEDED}, "merge": "glue"}
 """The need from which the mends of a kind begin."""
@@ -458,7 +458,7 @@ class Mends(Answer):
         stages = [scene.stages[0]]
         for text, one in zip(told, few, strict=False):
             rest = f" (others still fall: {named(one.held)}):" if one.held else ":"
-            whole = f"M{text[1:].replace(':', rest, 1)}"
+            whole = f"M{text[1:].partition(' (cost')[0].replace(':', rest, 1)}"
             headline = textwrap.shorten(whole, _LONG, placeholder=" ...", break_on_hyphens=False)
             stage = replace(one.layers().stages[0], headline=headline)
             stages.append(replace(stage, label=f"mend {len(stages)}"))

@@ -197,12 +197,16 @@ class TrainEnvelope(Answer):
         return tuple(layers)
 
     @property
+    def _most(self) -> float:
+        """Four times the least factor; NaN where there is none."""
+        known = len(self.places) and not self.falls_alone
+        return 4.0 * abs(float(self.factors[self.worst])) if known else np.nan
+
+    @property
     def _near(self) -> Floats:
         """The factors (p,) up to four times the least; NaN for the others."""
-        if not len(self.places) or self.falls_alone:
-            return np.full(len(self.places), np.nan)
-        most = 4.0 * abs(float(self.factors[self.worst]))
-        return np.where(np.isfinite(self.factors) & (self.factors <= most), self.factors, np.nan)
+        near = np.isfinite(self.factors) & (self.factors <= self._most)
+        return np.where(near, self.factors, np.nan)
 
     @property
     def title(self) -> str:
@@ -483,9 +487,10 @@ class TrainEnvelope(Answer):
         return [replace(stage, headline=headline, layers=layers, spot=spot)]
 
     def figure(self) -> Chart:
-        """The factor by the place of the train."""
-        factor, told = self._near, self.title if self.falls_alone else ""
-        known = np.isfinite(factor)
+        """The factor by the place of the train; what is much higher at the upper edge."""
+        told = self.title if self.falls_alone else ""
+        factor = np.minimum(self.factors, self._most)
+        known, high = np.isfinite(factor), self.factors > self._most
         ends = np.flatnonzero(np.diff(known)) + 1  # pages draw no gaps in lines
         runs = [run for run in np.split(np.arange(len(known)), ends) if known[run].any()]
         marks = [
@@ -503,7 +508,10 @@ class TrainEnvelope(Answer):
             told = f"least at {self._placed[at].at.words}: {rounded_down(spot[1][0]):g}"
             if self.limit is not None and self.limit.stands is not None:
                 told += f" by equilibrium, {rounded_down(self.limit.stands):g} by the verdict"
-            told += "" if known.all() else "; where none is drawn it is higher, or was not found"
+            if high.any():
+                beyond = self.places[high], factor[high]
+                marks.append(Marks(MarkKind.RING, *beyond, label=f"above {self._most:.3g}"))
+            told += "" if known.all() else "; where none is drawn it was not found"
         name = self.train.name
         return Chart(
             f"Largest load factor of '{name}' by its place{self._ductile}", tuple(marks),

@@ -369,14 +369,18 @@ def test_an_axle_at_the_end_that_no_factor_ends_is_asked_no_more() -> None:
     assert many.factors.min() == pytest.approx(few.factors.min(), rel=1e-6)
 
 
-def test_what_carries_much_more_is_no_part_of_the_lines_of_the_chart(bridge: Model) -> None:
+def test_what_carries_much_more_is_marked_at_the_upper_edge_of_the_chart(bridge: Model) -> None:
     quick = LimitOptions(equilibrium_only=True)
     found = limit_train(bridge, fill=FILL, steps=9, options=quick)
     marks = found.figure().marks
     drawn = np.concatenate([one.y for one in marks])
     assert np.isfinite(drawn).all()
     assert 0.0 < drawn.max() <= 4.0 * found.factors.min()
-    assert sum(len(one.x) for one in marks[:-1]) < len(found.places)
+    line, rings = marks[0], marks[-1]
+    assert line.x.tolist() == found.places.tolist()
+    assert rings.kind.value == "ring"
+    assert 0 < len(rings.x) < len(found.places)
+    assert rings.x.tolist() == found.places[found.factors > drawn.max()].tolist()
 
 
 def test_a_verdict_that_is_stopped_is_not_known_while_the_factor_of_forces_is(
