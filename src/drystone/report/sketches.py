@@ -65,7 +65,7 @@ def loads_picture(model: Model) -> Picture:
 
 
 def dimensions_picture(model: Model) -> Picture:
-    """An elevation and a side view with the overall dimensions of the free blocks."""
+    """An elevation and a side view at one scale, with the overall dimensions of the free blocks."""
     from matplotlib.figure import Figure  # slow to import
 
     scene = bare_scene(model)
@@ -75,24 +75,22 @@ def dimensions_picture(model: Model) -> Picture:
     told = assembly.bounds[~assembly.fixed] if len(assembly.free) else assembly.bounds
     ends = np.array([told[:, 0].min(axis=0), told[:, 1].max(axis=0)]) - middle
     front, side = (0, 1) if span[0] >= span[1] else (1, 0)
-    views = [(front, _toward(front)), (side, _toward(side))]
     figure = Figure(figsize=(_WIDTH, 3.1), facecolor="white")
-    shares = np.clip([span[front], span[side]], 0.25 * span.max(), None)
-    grid = figure.add_gridspec(
-        1, 2, width_ratios=shares.tolist(), left=0.06, right=0.97, bottom=0.08, top=0.9
-    )
     away = 0.08 * float(span.max())
-    for number, (along, toward) in enumerate(views):
+    half = np.max([0.5 * span, *(np.abs(x.position - middle).max(axis=0) for x in drawn)], axis=0)
+    shares = [half[front] + 2.0 * away, half[side] + 2.0 * away]
+    grid = figure.add_gridspec(
+        1, 2, width_ratios=shares, left=0.06, right=0.97, bottom=0.08, top=0.9
+    )
+    for number, along in enumerate((front, side)):
         axes: Any = figure.add_subplot(grid[0, number])
-        seen = [one for one in drawn if one.key == "tie-forces" or not _end_on(one, toward)]
-        keys = [one.key for one in seen]
+        toward = _toward(along)
+        keys = [x.key for x in drawn if x.key == "tie-forces" or not _end_on(x, toward)]
         draw(scene, (_WIDTH, 3.1), toward=toward, layers=keys, inside=axes, scaled=False)
         axes.set_title("elevation" if number == 0 else "side view", fontsize=8)
         flat = [along, 2]
-        reach = [np.abs(one.position - middle).max(axis=0) for one in seen]
-        half = np.max([0.5 * span, *reach], axis=0)[flat]
-        _dimensions(axes, ends[:, flat], half, away)
-        _axes_of(axes, -half - 2.6 * away, 1.2 * away, "xyz"[along])
+        _dimensions(axes, ends[:, flat], half[flat], away)
+        _axes_of(axes, -half[flat] - 2.6 * away, 1.2 * away, "xyz"[along])
     words = ["Overall dimensions of the free blocks", *(one.label for one in drawn)]
     return _picture(figure, ", and ".join(words))
 
