@@ -515,6 +515,7 @@ def test_the_page_has_a_stage_for_each_mend_and_a_list_of_them(fallen: Mends) ->
     cut = [one for one in titles if one.endswith(" ...")]
     assert cut
     assert all(set(one[4:-4].split()) <= words for one in cut)
+    assert all(len(one) <= 120 and "(cost" not in one for one in titles)  # two lines on a page
     standing = [one for one in scene.stages[1:] if one.role is Role.GOOD]
     assert len(standing) == len(fallen.mends)
 

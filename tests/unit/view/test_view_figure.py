@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import json
+import re
 import struct
 import subprocess
 import sys
@@ -22,7 +24,7 @@ from drystone.assembly import Assembly
 from drystone.base.errors import InputError
 from drystone.base.units import quantity
 from drystone.models import arch, box, tower
-from drystone.view import save_chart, save_figure, scene_of
+from drystone.view import page_text, save_chart, save_figure, scene_of
 from drystone.view.exploded import taken_apart
 from drystone.view.figure import draw
 from drystone.view.palette import first_preset
@@ -237,6 +239,15 @@ def test_bad_wishes_are_refused(changes: dict[str, object], message: str, tmp_pa
 )
 def test_quantities_have_three_digits_and_a_prefix(value: float, text: str) -> None:
     assert quantity(value, "N") == text
+
+
+def test_a_page_has_the_prefixes_of_a_figure() -> None:
+    text = page_text(scene_of(tower(2)))
+    told = re.search(r"PREFIXES ?= ?(\[\[.*?\]\])", text)
+    assert told is not None
+    for factor, prefix in json.loads(told[1]):
+        assert quantity(2.0 * factor, "N") == f"2 {prefix}N"
+    assert quantity(1e-3 * factor, "N") == f"{1e-3 * factor:g} N"  # neither has a smaller one
 
 
 def test_a_figure_of_a_plan_numbers_blocks_and_names_are_written_when_asked_for():
