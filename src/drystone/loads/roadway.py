@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from itertools import pairwise
 from typing import Self
 
@@ -109,6 +109,7 @@ class Roadway:
     above: SeenStrips
 
     @classmethod
+    @lru_cache(maxsize=1)  # a load, what resists it and each train ask for that of the same model
     def of(
         cls, assembly: Assembly, cover: float, grade: float, between: tuple[float, float] | None
     ) -> Self:
