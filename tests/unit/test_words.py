@@ -1,5 +1,6 @@
 """Source, documentation and tests use the words of the glossary and plain English."""
 
+import functools
 import re
 import shutil
 import subprocess
@@ -40,6 +41,7 @@ SOURCE = {
 """The same, in source and documentation only: names of tests may tell a story."""
 
 
+@functools.cache
 def texts(*folders: str) -> dict[str, str]:
     """Text files under version control, by name; this file is left out. None without git."""
     if shutil.which("git") is None:
@@ -55,10 +57,13 @@ def texts(*folders: str) -> dict[str, str]:
 
 def found(pattern: str, files: dict[str, str]) -> list[str]:
     """Places at which a pattern occurs as whole words, across line ends too."""
-    words = re.compile(rf"\b(?:{pattern})\b".replace(" ", r"\s+"), re.IGNORECASE)
+    inside = rf"(?:{pattern})\b".replace(" ", r"\s+")
+    words = re.compile(rf"\b{inside}", re.IGNORECASE)
+    quick = re.compile(inside)  # also within a word, of small letters: a third of the time
     return [
         f"{name}, line {text.count(chr(10), 0, match.start()) + 1}: {match.group(0)}"
         for name, text in files.items()
+        if quick.search(text.lower())
         for match in words.finditer(text)
     ]
 
