@@ -213,7 +213,7 @@ def tie(asked: KnownNeeds) -> Proposals:
         yield from () if held else ("no blocks move apart",)
         return
     far = lengths(centroid[apart[:, 0]] - centroid[apart[:, 1]])
-    bulk = np.round(far / size * (rate.max() / rate), 6)
+    bulk = np.round(far / size * (rate.max() / rate) / ALIKE)
 
     def make(ties: tuple[_Ends, ...], model: Model, blocks: Ints, _: Ints) -> Model:
         for i, j in ties:
@@ -301,7 +301,7 @@ def _tied_back(bench: Bench) -> _Words:
         ties = _back(bench, surface, i, -level[i] / speed[i]) if speed[i] > ALIKE * most else []
         if ties:
             far = sum(float(np.linalg.norm(met.point - at)) for at, met in ties)
-            bulk = round(far / model.assembly.size.max() * most / speed[i], 6)
+            bulk = round(far / model.assembly.size.max() * most / speed[i] / ALIKE)
             found.append((bulk, _off(bench, np.array([[i, i]]))[0], i, ties))
 
     made: _Words = {}
@@ -381,7 +381,7 @@ def _apart(bench: Bench, motion: Floats, ties: tuple[_Ends, ...] = ()) -> tuple[
         apart = dot(velocity[i + 1 :] - velocity[i], along) / np.where(size > 0.0, size, 1.0)
         rate[i, i + 1 :] = np.maximum(apart, 0.0)
     rate[used] = rate[:, used] = 0.0
-    level = np.round(rate / max(rate.max(initial=0.0), np.finfo(float).tiny), 6)
+    level = np.round(rate / max(rate.max(initial=0.0), np.finfo(float).tiny) / ALIKE)
     few = max(level.size - _FIRST, 0)
     ends = np.argwhere((rate > 0.0) & (level >= np.partition(level, few, axis=None)[few]))
     twins = _twins(bench)

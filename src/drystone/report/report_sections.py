@@ -173,12 +173,21 @@ def _without(one: Answer, answers: Sequence[Answer]) -> str:
     return ", without the train" if trains and isinstance(one, Limit) else ""
 
 
+def _undivided(one: Answer, answers: Sequence[Answer]) -> Iterator[str]:
+    """That a limit does not have the material factors of combinations beside it."""
+    several = (x.each for x in answers if isinstance(x, Combinations))
+    each = {max(y.situation.friction, y.situation.strength) for x in several for y in x}
+    if isinstance(one, Limit | TrainEnvelope) and max(each, default=1.0) > 1.0:
+        yield "Material factors of the combinations do not divide friction and strength here"
+
+
 def _told(one: Answer, answers: Sequence[Answer]) -> Iterator[str]:
     """The title of an answer, the margins of what stands, and what is to be borne in mind."""
     count = 3 if isinstance(one, Combinations) else 1  # which governs, and what happens there
     said = [*(sentence.text for sentence in one.sentences()[:count]), one.title]
     under = one.asked.facts().get("Load") if isinstance(one, Limit) else None
     said += [f"Load: {under}{_without(one, answers)}"] if under else []
+    said += _undivided(one, answers)
     yield ". ".join(dict.fromkeys(said)) + "."
     margins = one.margins() if isinstance(one, Result) else ()
     for sentence in filter(lambda each: each.text, margins):

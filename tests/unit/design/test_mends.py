@@ -27,7 +27,7 @@ from drystone.design import (
 from drystone.design.bench import Bench
 from drystone.design.changes import Change
 from drystone.joint_capacity import JointCapacity
-from drystone.loads import Train
+from drystone.loads import Earth, Train
 from drystone.models import (
     arch,
     barrel_vault,
@@ -37,6 +37,7 @@ from drystone.models import (
     segmental_bridge,
     shelf,
     tower,
+    wall,
     wedge,
 )
 from drystone.models.simple import prism
@@ -304,6 +305,20 @@ def test_a_facade_that_a_roof_pushes_is_tied_back_at_its_top(
     assert found.change.added == len(behind)
     if len(behind) == 1:
         assert f"pulls by a steady {least / 1e3:.3g} kN" in found.change.description
+
+
+def test_of_ties_that_hold_alike_that_in_the_middle_of_a_wall_is_tried_first() -> None:
+    """Earth pushes a wall over its edge; a stone at its end stands out by 0.1 mm."""
+    blocks = wall(courses=3, length=3, size=(1.0, 0.3, 0.3))
+    stones = list(blocks.blocks)
+    end = blocks.index("c02-b00")
+    stones[end] = stones[end].transformed(translation=(0.0, -1e-4, 0.0))
+    assembly = Assembly(stones, blocks.fixed)
+    load = LoadCase.gravity(assembly) + Earth("-y", 18e3, 1.05).on(assembly)
+    (found,) = find_mends(
+        Model.of(assembly, friction=0.8, load=load), options=MendOptions(kinds=("tie",))
+    ).mends
+    assert "between the middles of 'c02-b01' and 'c00-b01'" in found.change.description
 
 
 def test_a_mend_under_a_train_is_asked_of_all_its_places() -> None:

@@ -13,6 +13,7 @@ from drystone.answer import Role
 from drystone.base.settings import Clock
 from drystone.cli import main
 from drystone.io.opening import as_model
+from drystone.limits import LimitOptions, limit_friction
 from drystone.models import box, segmental_bridge, tower
 from drystone.report import write_report
 from drystone.report.document import TitleBlock
@@ -61,10 +62,14 @@ def test_a_block_overturns_where_the_factors_of_equilibrium_say(
 
 
 def test_the_summary_of_a_report_names_the_combination_that_governs(tmp_path: Path) -> None:
-    path = written(tmp_path, 'situations = ["EQU", "STR"]', WEIGHT, PUSH.format(14250))
-    found = combinations(STACK, path)
-    (told,) = [x for x in document_of([found], TitleBlock()).sections[0].parts if "Does" in str(x)]
+    first = 'situations = ["EQU", "STR"]\n[material]\nstrength = 1.5'
+    found = combinations(STACK, written(tmp_path, first, WEIGHT, PUSH.format(14250)))
+    quick = limit_friction(STACK, options=LimitOptions(equilibrium_only=True))
+    parts = document_of([found, quick], TitleBlock()).sections[0].parts
+    (told,) = [x for x in parts if "Does" in str(x)]
     assert "governs: EQU: 0.9 weight + 1.5 push. there: " in str(told)
+    (whole,) = [x for x in parts if "Material factors" in str(x)]
+    assert str(whole).endswith("do not divide friction and strength here.")
 
 
 @pytest.mark.parametrize("first", [6000, 15000])
