@@ -574,3 +574,25 @@ def test_the_legend_has_the_colours_of_the_blocks(opened, standing):
         told = np.array([float(one) for one in re.findall("[0-9]+", tab.run(swatch))[:3]])
         near = np.abs(picture - told).max(axis=2) < 16.0  # shades differ with the light
         assert near.sum() > 300, (opacity, told)
+
+
+def test_the_model_stands_below_details_that_are_open(stands):
+    def size(width: int, height: int) -> None:
+        stands.send(
+            "Emulation.setDeviceMetricsOverride", width=width, height=height,
+            deviceScaleFactor=0.5, mobile=False,
+        )  # fmt: skip
+        pixels(stands)  # fitted anew
+
+    def colours() -> int:
+        """Of the row below the words: more than that of the ground where the model lies there."""
+        low = stands.run("document.getElementById('verdict').getBoundingClientRect().bottom")
+        picture = Image.open(io.BytesIO(pixels(stands))).convert("RGB")
+        row = int(0.5 * low)
+        return len(picture.crop((9, row, picture.width - 9, row + 1)).getcolors(1 << 12))
+
+    size(1200, 700)
+    stands.click("#details summary")
+    assert colours() == 1
+    stands.click("#details summary")
+    size(760, 480)

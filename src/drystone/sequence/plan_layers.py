@@ -254,7 +254,7 @@ def _robot_layers(assembly: Assembly, team: Sequence[Robot]) -> tuple[Layer, ...
     free = assembly.centroid[assembly.free]
     middle = 0.5 * (free.min(axis=0) + free.max(axis=0))
     normal = min((1, 0, 2), key=lambda axis: round(float(np.ptp(free[:, axis])), 9))
-    start, way, text = [base[:0]], [base[:0]], list[str]()
+    start, way, text, told = [base[:0]], [base[:0]], list[str](), [np.full(3, np.inf)]
     for one in team:
         aside = middle[normal] - one.base[normal]
         radius = np.sqrt(max(one.reach**2 - aside**2, 0.0))
@@ -273,15 +273,23 @@ def _robot_layers(assembly: Assembly, team: Sequence[Robot]) -> tuple[Layer, ...
             first, then = first[above], then[above]
             start.append(edge[first])
             way.append(edge[then] - edge[first])
-            text += [
-                f"reach of {one.name}" if i == edge[first, 2].argmax() else ""
-                for i in range(len(first))
-            ]
+            text += _written(f"reach of {one.name}", edge[first], told, float(past[0]))
     if not text:
         return (bases,)
     label, line = "where a reach ends, in the middle plane of the blocks", LayerKind.LINES
     parts = np.concatenate(start), np.concatenate(way)
     return bases, Layer("reach", label, line, "reaction", *parts, text=tuple(text))
+
+
+def _written(name: str, points: Floats, told: list[Floats], apart: float) -> list[str]:
+    """A name at the highest of points (p, 3) so far from those ``told``, or at the farthest."""
+    text = [""] * len(points)
+    if text:
+        away = np.min([np.linalg.norm(points - one, axis=1) for one in told], axis=0)
+        at = int(np.argmax(np.where(away >= min(apart, away.max()), points[:, 2], -np.inf)))
+        told.append(points[at])
+        text[at] = name
+    return text
 
 
 def outlined(

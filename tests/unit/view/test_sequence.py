@@ -117,6 +117,16 @@ def test_bases_and_ends_of_reach_have_the_names_of_their_robots() -> None:
     assert told == [["left", "right"], ["reach of left", "reach of right"]]
 
 
+def test_the_names_of_two_reaches_that_end_on_one_line_lie_apart() -> None:
+    """One lay on the other in a figure, and was left out on a page."""
+    team = [Robot("left", (0.5, -2.0, 0.0), 3.8), Robot("right", (0.5, 3.0, 0.0), 3.8)]
+    found = plan(tower(3), options=PlanOptions(rules=Rules(robots=team)))
+    (edge,) = (one for one in found.layers().stages[-1].layers if one.key == "reach")
+    first, second = (edge.position[i] for i, name in enumerate(edge.text) if name)
+    assert first[2] == edge.position[:, 2].max()
+    assert 0.5 < np.linalg.norm(second - first) < 1.0
+
+
 def test_the_last_stage_shows_every_status(planned):
     state = planned.layers().stages[-1].state
     wanted = {Status.SUPPORT: State.SUPPORT, Status.FREE: State.FREE, Status.HELD: State.HELD,

@@ -47,6 +47,7 @@ function connectSliders() {
     setSection(event.target.value === "" ? -1 : Number(event.target.value), page.section.at);
   });
   byId("spread").addEventListener("change", () => fit());
+  byId("details").addEventListener("toggle", () => camera.fits && fit()); // the model has the room that is left
 }
 
 function connect() {

@@ -15,7 +15,7 @@ function insets() {
       { left: edge / width, right: right / width, top: edge / height, bottom: bottom / height }));
   }
   const shareOf = (id) => byId(id).offsetHeight / height;
-  const top = Math.min(0.3, shareOf("verdict") + 8 / height);
+  const top = Math.min(byId("details").open ? 0.6 : 0.3, shareOf("verdict") + 8 / height);
   const legend = byId("legend");
   const below = Math.max(shareOf("legend") + 8 / height, (scaleHeight(width) + 20) / height);
   const above = { left: 16 / width, right: 24 / width, top, bottom: Math.min(0.35, below) };
