@@ -32,6 +32,7 @@ from drystone.design.mends_beside import prop, support, tie
 from drystone.design.needs import SEARCHED, KnownNeeds, pulls_of_region
 from drystone.design.props import tops_of
 from drystone.design.surgery import (
+    PARALLEL,
     free_sides,
     merge_blocks,
     thicken_blocks,
@@ -192,7 +193,8 @@ def _thicker(asked: KnownNeeds) -> Proposals:
     """Thicker blocks of the region; where that does not hold the whole, all blocks.
 
     Members are of one thickness but for the least increase that is tried, as piers below a ring
-    are: each is tried alone, too.
+    are: each is tried alone, too, and those together that get thicker along one line, as piers and
+    abutments. What slides gets thicker along its way, and what falls in the plane of all others.
     """
     bench = asked.bench
     own = [i for i in bench.own if not bench.kept([i])]
@@ -201,32 +203,55 @@ def _thicker(asked: KnownNeeds) -> Proposals:
         return
     motion, size = bench.motion[own], bench.local.assembly.size[own]
     turning = size * lengths(motion[:, 3:]) > 0.01 * lengths(motion[:, :3])
-    axes = np.where(turning[:, None], motion[:, 3:], 0.0)
+    ways, _ = unit(motion[:, :3])
+    level = np.cross(ways, unit(acceleration_of(bench.local))[0])
+    slides = np.where(lengths(level)[:, None] > 0.01, level, 0.0)
+    axes = np.where(turning[:, None], motion[:, 3:], slides)
+    _, turns, about = np.linalg.svd(axes, full_matrices=False)
+    if (turns[1:] <= 0.01 * turns[0]).all():
+        axes[~axes.any(axis=1)] = turns[0] * about[0]
+    way, thick = unit(thickness_of(bench.local, own, axes)[1])
+    some = np.flatnonzero(thick)
+    if not len(some):
+        yield f"{names_of(bench.local, own)} have no free faces to move"
+        return
+    own, axes, way, thick = [own[k] for k in some], axes[some], way[some], thick[some]
 
     def region(which: Ints, _: Model, blocks: Ints) -> tuple[list[int], Floats]:
         return blocks[np.array(own)[which]].tolist(), axes[which]
 
-    def tries(grown: _Grown, why: str) -> Tries:
+    def tries(grown: _Grown) -> Tries:
         make, words = partial(_thickened, grown), partial(_thicker_words, bench, grown)
+        some, about = grown(bench.model, bench.blocks)
+        along = _along(thickness_of(bench.model, some, about)[1])
+        shares = listed([f"{100.0 * share:g}" for share in _SHARES])
+        why = f"{shares} % more thickness of {names_of(bench.model, some)}{along}"
         return Tries([Change("thicker", make, words, _SHARES, 0.02)], why)
 
-    why = f"{listed([f'{100.0 * share:g}' for share in _SHARES])} % more thickness"
-    thick = lengths(thickness_of(bench.local, own, axes)[1])
     order = np.argsort(thick, kind="stable")
     ends = np.flatnonzero(np.diff(thick[order]) > _SHARES[0] * thick[order][:-1]) + 1
-    for some in np.split(order, ends) if 0 < len(ends) < SMALL_REGION else ():
-        yield tries(partial(region, np.sort(some)), "")
+    members = [np.sort(one) for one in np.split(order, ends)]
+    for one in (*members, *_in_line(members, way)) if 1 < len(members) <= SMALL_REGION else ():
+        yield tries(partial(region, one))
     failed = len(bench.tried)
-    yield tries(partial(region, np.arange(len(own))), why)
+    yield tries(partial(region, np.arange(len(own))))
     if len(bench.tried) > failed and not bench.keep:
-        yield tries(partial(_all_thicker, own, axes), why)
+        yield tries(partial(_all_thicker, own, axes))
+
+
+def _in_line(members: list[Ints], way: Floats) -> Iterator[Ints]:
+    """Members of a region, some but not all, that get thicker along one line, by ways (o, 3)."""
+    for first in members:
+        same = [one for one in members if (np.abs(way[one] @ way[first[0]]) > PARALLEL).all()]
+        if 1 < len(same) < len(members) and same[0] is first:
+            yield np.sort(np.concatenate(same))
 
 
 def _all_thicker(
     own: list[int], axes: Floats, model: Model, blocks: Ints
 ) -> tuple[list[int], Floats]:
     """All free blocks, and supports no thicker than these, with the axes about which they turn."""
-    most = np.linalg.svd(axes)[2][0] if axes.any() else np.zeros(3)
+    most = np.linalg.svd(axes, full_matrices=False)[2][0] if axes.any() else np.zeros(3)
     about = np.tile(most, (len(model), 1))
     about[blocks[own]] = axes
     free = model.assembly.free.tolist()
@@ -234,7 +259,7 @@ def _all_thicker(
     some = free + sorted(ends)
     thick = lengths(thickness_of(model, some, about[some])[1])
     wide = 1.01 * thick[: len(free)].max()
-    grown = [i for i, far in zip(some, thick, strict=True) if far < wide]
+    grown = [i for i, far in zip(some, thick, strict=True) if 0.0 < far < wide]
     return grown, about[grown]
 
 
@@ -247,20 +272,35 @@ def _thickened(grown: _Grown, share: float, model: Model, blocks: Ints, _: Ints)
     return thicken_blocks(model, some, share, axes)
 
 
+def _along(across: Floats) -> str:
+    """The line, else the plane, along which some blocks get thicker by ways (b, 3), as text."""
+    ways = unit(across)[0]
+    if (np.abs(ways @ ways[0]) > PARALLEL).all():
+        return f", along {towards(across[0]).lstrip('+-')}"
+    flat = np.abs(ways).max(axis=0) < 0.01
+    return f", in the plane {'xyz'.replace('xyz'[flat.argmax()], '')}" if flat.any() else ""
+
+
 def _thicker_words(bench: Bench, grown: _Grown, share: float) -> str:
     model, (some, axes) = bench.model, grown(bench.model, bench.blocks)
-    pairs, across = thickness_of(model, some, axes)
+    faces, across = thickness_of(model, some, axes)
     size = lengths(across)
     least, most = (quantity(size.min() * by, "m") for by in (1.0, 1.0 + share))
     thinnest = "" if size.max() < 1.01 * size.min() else "the thinnest "
     told = f"{names_of(model, some)} thicker by {100.0 * share:.0f} %, {thinnest}from {least} to "
     half = "half of it on each of two opposite free faces"
     free = "on the free faces that no earth and no fill presses"
-    told += f"{most}, {half if len(free_sides(model, some, pairs)[0]) > 1 else free}"
-    if (np.abs(across @ across[0]) > 0.99 * size * size[0]).all():
-        told += f", along {towards(across[0]).lstrip('+-')}"
+    ways = {2: half, 1: "on one free face" if model.load.surface is None else free}
+    count = np.array([len(sides) for sides in free_sides(model, some, faces)])
+    parts = [
+        (names_of(model, np.array(some)[own].tolist()), f"{how}{_along(across[own])}")
+        for number, how in ways.items()
+        if (own := count == number).any()
+    ]
+    both = "; ".join(f"{who} {how}" for who, how in parts)
+    told += f"{most}: {both}" if len(parts) > 1 else f"{most}, {parts[0][1]}"
     with contextlib.suppress(InputError):  # of a share that is too large, of which no mend is made
-        bodies = thickened(model, some, share, pairs, across)
+        bodies = thickened(model, some, share, faces, across)
         below, far = _overhung(model, dict(zip(some, bodies, strict=True)), across)
         if below:
             told += f"; they overhang {names_of(model, below)} by {quantity(far, 'm')}"

@@ -12,7 +12,7 @@ from drystone.base.arrays import SAME, Bools, Floats, dot, frozen_floats, length
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
 from drystone.base.ragged import Ragged, runs_by_length
-from drystone.design.changed_model import changed, fresh_name
+from drystone.design.changed_model import acceleration_of, changed, fresh_name
 from drystone.design.joint_cut import (
     Cell,
     JointPlane,
@@ -28,6 +28,9 @@ from drystone.geometry.frames import rotation_about, unit
 from drystone.geometry.glue import cut_cell, glue
 from drystone.geometry.polyhedron import Piece, stack_faces
 from drystone.model import Model
+
+PARALLEL = 0.99
+"""Cosine from which on blocks get thicker along one line: 8 degrees. Chosen."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -236,7 +239,9 @@ def thicken_blocks(
 
     The thickness of a block is between the two largest faces that are in no joint and look away
     from each other; each of them is moved by half of it, or the other one by all of it where earth
-    or fill presses on one of most of them.
+    or fill presses on one of most of them. What turns and has no two such faces across its axis is
+    thicker from the most level free one through the block: that one is moved by all of it, and so
+    is the same side of blocks beside it that get thicker along the same line.
 
     Parameters
     ----------
@@ -247,8 +252,7 @@ def thicken_blocks(
     share
         Of their thickness, such as 0.1 for a tenth more; below zero they become thinner.
     axes : (b, 3)
-        Axes about which the blocks turn: their thickness is across these, where they have faces
-        there. Left out, none.
+        Axes about which the blocks turn: their thickness is across these. Left out, none.
 
     Raises
     ------
@@ -256,67 +260,78 @@ def thicken_blocks(
         A block has no such faces, or one of them cannot be moved.
     """
     about = np.zeros((len(blocks), 3)) if axes is None else axes
-    pairs, across = thickness_of(model, blocks, about)
-    bodies = thickened(model, blocks, share, pairs, across)
+    faces, across = thickness_of(model, blocks, about)
+    bodies = thickened(model, blocks, share, faces, across)
     return changed(model, dict(zip(blocks, bodies, strict=True)))
 
 
 def thickened(
-    model: Model, blocks: Sequence[int], share: float, pairs: Sequence[list[int]], across: Floats
+    model: Model, blocks: Sequence[int], share: float, faces: Sequence[list[int]], across: Floats
 ) -> list[Block]:
     """The blocks of :func:`thicken_blocks`; their thickness as of :func:`thickness_of`."""
+    bare = [model.assembly.names[i] for i, own in zip(blocks, faces, strict=True) if not own]
+    if bare:
+        where = f"block '{bare[0]}'"
+        raise InputError("has no two free faces", where=where, remedy="choose another")
     steps = (share * lengths(across)).tolist()
-    sides = zip(free_sides(model, blocks, pairs), steps, strict=True)
-    moved = [dict.fromkeys(faces, step / len(faces)) for faces, step in sides]
+    sides = zip(free_sides(model, blocks, faces), steps, strict=True)
+    moved = [dict.fromkeys(some, step / len(some)) for some, step in sides]
     return with_moved_faces([model.assembly.blocks[i] for i in blocks], moved)
 
 
 def thickness_of(
     model: Model, blocks: Sequence[int], axes: Floats
 ) -> tuple[list[list[int]], Floats]:
-    """The two faces of each block between which its thickness is, and the way (b, 3) [m] across.
+    """The faces of each block between which its thickness is, and the way (b, 3) [m] across.
 
-    ``axes`` (b, 3) and errors as for :func:`thicken_blocks`; zero where a block does not turn.
+    Two faces, one, or none and a way of zero; ``axes`` (b, 3) as for :func:`thicken_blocks`, zero
+    where a block does not turn.
     """
     faces, own = model.assembly.faces, Ragged.from_owners(model.assembly.faces.owner, len(model))
     area, offset = lengths(faces.area_vectors), dot(faces.normals, faces.middles)
-    bound = _in_joints(model, own, offset)
+    bound, down = _in_joints(model, own, offset), acceleration_of(model)
     found, across = [], []
     for i, axis in zip(blocks, axes, strict=True):
         first, normal = own[i].start, faces.normals[own[i]]
         along = np.abs(normal @ axis) > np.sqrt(0.5) * np.linalg.norm(axis)
-        free = [k for k in np.lexsort((-area[own[i]], along)).tolist() if not bound[first + k]]
+        order = np.argsort(-area[own[i]], kind="stable").tolist()
+        free = [k for k in order if not (bound[first + k] or along[k])]
         away = np.triu((normal @ normal.T)[np.ix_(free, free)] < -0.5)
-        if not away.any():
-            where = f"block '{model.assembly.names[i]}'"
-            raise InputError("has no two free faces", where=where, remedy="choose another")
-        one, two = (free[k] for k in divmod(int(away.argmax()), len(free)))
-        apart = offset[first + one] - float(normal[one] @ faces.middles[first + two])
-        found.append([one, two])
-        across.append(apart * normal[one])
+        some, way = list[int](), np.zeros(3)
+        if away.any():
+            some = [free[k] for k in divmod(int(away.argmax()), len(free))]
+            behind = float(normal[some[0]] @ faces.middles[first + some[1]])
+        elif free and axis.any():
+            steep = np.round(np.abs(normal[free] @ down) / np.linalg.norm(down), 6)
+            some = [free[int(steep.argmin())]]
+            behind = float((model.assembly.blocks[i].vertices @ normal[some[0]]).min())
+        if some:
+            way = (offset[first + some[0]] - behind) * normal[some[0]]
+        found.append(some)
+        across.append(way)
     return found, np.array(across).reshape(-1, 3)
 
 
-def free_sides(model: Model, blocks: Sequence[int], pairs: Sequence[list[int]]) -> list[list[int]]:
-    """Of pairs of opposite faces of blocks those that move where the blocks get thicker.
+def free_sides(model: Model, blocks: Sequence[int], faces: Sequence[list[int]]) -> list[list[int]]:
+    """Of the faces of blocks between which their thickness is those that move, one or two of each.
 
-    Both; where earth or fill presses on one face of most of the blocks, the other one of each.
+    ``faces`` are those of :func:`thickness_of`, one at least of each; see :func:`thicken_blocks`.
     """
-    surface, sides = model.load.surface, list(pairs)
-    if surface is None:
-        return sides
+    surface, sides = model.load.surface, list(faces)
     planes = [face_planes(model.assembly.blocks[i]) for i in blocks]
-    for at, (i, (normal, offset)) in enumerate(zip(blocks, planes, strict=True)):
-        pressed = surface.lies_on(i, normal, offset, 1e-3 * model.assembly.size[i])
-        sides[at] = [k for k in pairs[at] if not pressed[k]] or pairs[at]
-    one = [at for at, faces in enumerate(sides) if len(faces) == 1]
-    if 2 * len(one) <= len(blocks):
-        return list(pairs)
+    if surface is not None:
+        for at, (i, (normal, offset)) in enumerate(zip(blocks, planes, strict=True)):
+            pressed = surface.lies_on(i, normal, offset, 1e-3 * model.assembly.size[i])
+            sides[at] = [k for k in faces[at] if not pressed[k]] or faces[at]
+    most = 2 * sum(map(len, faces)) - 2 * sum(map(len, sides)) > len(blocks)
+    sides = sides if most else list(faces)
+    one = [at for at, some in enumerate(sides) if len(some) == 1]
     place = model.assembly.centroid[list(blocks)]
-    for at in set(range(len(blocks))) - set(one):
+    for at in set(range(len(blocks))) - set(one) if one else ():
         near = min(one, key=lambda other: float(np.linalg.norm(place[other] - place[at])))
-        way = planes[near][0][sides[near][0]]
-        sides[at] = [max(pairs[at], key=lambda k: float(planes[at][0][k] @ way))]
+        cosine = planes[at][0][faces[at]] @ planes[near][0][sides[near][0]]
+        if most or cosine.max() > PARALLEL:
+            sides[at] = [faces[at][int(cosine.argmax())]]
     return sides
 
 

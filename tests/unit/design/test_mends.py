@@ -672,6 +672,25 @@ def test_a_pier_gets_thicker_where_it_overturns_and_its_foot_with_it() -> None:
     assert "overhang" not in only.change.description  # its foot is the ground
 
 
+def test_a_pier_and_its_abutment_get_thicker_together_away_from_the_arch_that_pushes() -> None:
+    """About the outer foot both weights, which grow as their arms do, balance the push."""
+    parts = (
+        box((4.0, 1.0, 0.2), (-3.0, 0.0, -0.2), "base"), box((0.6, 1.0, 2.0), name="pier"),
+        box((0.5, 1.0, 0.4), (0.1, 0.0, 2.0), "abutment"),
+        box((0.3, 1.0, 0.4), (0.6, 0.0, 2.0), "arch"),
+    )  # fmt: skip
+    assembly = Assembly(parts).with_fixed([0, 3])
+    push = LoadCase.point_load(assembly, "abutment", (-6e3, 0.0, 0.0), (0.6, 0.5, 2.2))
+    model = Model.of(assembly, friction=2.0, load=LoadCase.gravity(assembly) + push)
+    (both,) = find_mends(model, options=MendOptions(kinds=("thicker",))).mends
+    weight = assembly.mass[1:3] * 9.81
+    share = np.sqrt(6e3 * 2.2 / (weight @ [0.3, 0.35])) - 1.0
+    assert share <= both.change.value < share + 0.02
+    told = both.change.description
+    assert told.startswith("'pier' and 'abutment' thicker by 16 %, the thinnest from 500 mm")
+    assert ", on one free face, along x; free mass" in told  # none overhangs another
+
+
 def test_a_pier_gets_thicker_alone_and_a_cap_that_is_kept_does_not() -> None:
     """A pier and its cap tip about its foot: half its width is less than their height leans."""
     parts = (
@@ -749,7 +768,7 @@ def test_thicknesses_that_were_tried_are_told() -> None:
     model = Model.of(Assembly((base, out)).with_fixed([0]), friction=0.6)
     found = find_mends(model, options=MendOptions(kinds=("thicker",)))
     ((_, tried),) = found.tried
-    assert tried.what.startswith("10, 30 and 100 % more thickness")
+    assert tried.what.startswith("10, 30 and 100 % more thickness of 'out', along x; ")
 
 
 def test_blocks_to_keep_are_not_changed() -> None:
