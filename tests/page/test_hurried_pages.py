@@ -57,7 +57,9 @@ def test_a_page_that_draws_slowly_draws_less_while_it_is_turned_and_all_of_it_at
     whole, picture = tab.run(RESTS), tab.picture("#view")
     for key in ("ArrowLeft", "ArrowRight"):
         assert 0 < tab.run(TURN.replace("KEY", key)) < 0.4 * whole
+        assert not tab.run("document.getElementById('drawing').hidden")  # forces wait
     assert tab.run(RESTS) == whole
+    assert tab.run("document.getElementById('drawing').hidden")
     assert tab.picture("#view") == picture
     # a picture with every pixel and with edges came before the whole one, which takes long
     assert tab.run("window.sharp") == [tab.run("view.width"), tab.run("view.height")]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import base64
+
 import numpy as np
 import pytest
 
@@ -72,6 +74,24 @@ def test_a_page_of_very_many_blocks_says_what_it_leaves_out(monkeypatch):
     assert {"joint-force", "network"} <= keys
     assert light["stages"][0]["force"] is None
     assert light["stages"][0]["normal"] is not None
+
+
+def test_a_page_of_very_many_joints_shows_sums_of_their_forces(monkeypatch):
+    monkeypatch.setattr(encoding, "MANY_LINES", 2)
+    data = encode(scene_of(drystone.check(drystone.Model.of(tower(4), friction=0.6))))
+    layers = {layer["key"]: layer for layer in data["stages"][0]["layers"]}
+    way = {}
+    for key in ("network", "network-each"):
+        raw = [
+            base64.b64decode(data["blobs"][layers[key][of]["blob"]]) for of in ("vector", "value")
+        ]
+        vector, value = (np.frombuffer(one, "<f4") for one in raw)
+        way[key] = value @ np.abs(vector.reshape(-1, 3))  # force by length
+    assert way["network"] == pytest.approx(way["network-each"], rel=1e-5, abs=1e-3)
+    assert layers["network"]["label"].endswith("summed over cells of 167 mm")
+    hidden = {"network-each", "joint-force-each"}
+    assert not any(layers[key]["visible"] for key in hidden)
+    assert "joint-force" not in layers
 
 
 def test_supports_that_move_too_far_play_the_fall_of_what_falls():

@@ -133,9 +133,10 @@ function isEdgeOn({ kind, position, corners }, back) {
   return true;
 }
 
-// While pictures of many blocks come slowly, lines wait.
+// While pictures of many blocks come slowly, lines wait, unless they are fewer than the blocks.
 function waits(layer) {
-  return hurried && (layer.kind === "polygons" ? bare : coarse() && data.count >= MANY);
+  const many = data.count >= MANY && layer.position.length >= 3 * data.count;
+  return hurried && (layer.kind === "polygons" ? bare : coarse() && many);
 }
 
 // What lies between the plane and the eye is not drawn; the side is that of the eye at first.
@@ -186,6 +187,7 @@ function * drawSteps() {
 // What is written over the picture, and beside it.
 function drawOver(view) {
   if (byId("legend").dataset.told !== keysOf(told())) showLegend(data, stage(), theme(), told());
+  byId("drawing").hidden = view.layers.length === drawnLayers().length; // else some wait
   const ratio = window.devicePixelRatio || 1;
   const { width, height } = sizeOf();
   const marks = byId("marks");
