@@ -393,3 +393,51 @@ def test_an_inspection_tells_the_ties_of_a_file(tmp_path: Path) -> None:
     broken["contacts"]["block_a"][0] = 99
     (tmp_path / "broken.json").write_text(json.dumps(broken))
     assert io.inspect(tmp_path / "broken.json").notes == ()
+
+
+def wall_before_another() -> Assembly:
+    """A facade of 5 x 0.6 x 5 m; behind it, not bonded, a wall of 0.5 x 3 x 5 m; on a ground."""
+    ground = box((8.0, 10.0, 1.0), (-1.0, -4.0, -1.0), "ground")
+    facade = box((5.0, 0.6, 5.0), (0.0, 0.0, 0.0), "facade")
+    return Assembly(
+        (ground, facade, box((0.5, 3.0, 5.0), (2.0, 0.6, 0.0), "wall")), [True, False, False]
+    )
+
+
+@pytest.mark.parametrize(("share", "stands"), [(0.99, True), (1.01, False), (1.1, False)])
+def test_a_wall_that_jams_by_friction_only_does_not_help_a_tie_that_yields(
+    share: float, stands: bool
+) -> None:
+    """The facade overturns at a W h / 2 = W t / 2 + the moment of the tie, as if it were alone.
+
+    Forces balance 1.22 times that: the wall behind would hold its back down by friction.
+    """
+    blocks, strength = wall_before_another(), 20e3
+    weight, along = G * blocks.mass[1], np.array([5.0, -4.5]) / np.hypot(5.0, 4.5)
+    moment = strength * (4.5 * along[0] - 0.6 * along[1])
+    multiplier = (0.3 * weight + moment) / (2.5 * weight)
+    tie = f"facade@2.5,0.6,4.5:ground@2.5,5.6,0:{strength}N"
+    found = drystone.check(blocks, friction=0.6, seismic=(0.0, -share * multiplier), tie=tie)
+    assert (found.stable, found.falls) == (stands, not stands)
+
+
+@pytest.mark.parametrize(("share", "stands"), [(0.99, True), (1.01, False), (1.1, False)])
+def test_a_wall_that_jams_by_friction_only_does_not_help_a_foot_that_crushes(
+    share: float, stands: bool
+) -> None:
+    """It turns about the middle of a stress block of width W / (f l): no verdict, as not known."""
+    blocks, strength = wall_before_another(), 0.5e6
+    multiplier = (0.3 - 0.5 * G * blocks.mass[1] / (strength * 5.0)) / 2.5
+    shaken = (0.0, -share * multiplier)
+    found = drystone.check(blocks, friction=0.6, seismic=shaken, strength=strength)
+    assert found.stable == stands
+    assert not found.falls
+
+
+def test_what_a_tie_beside_the_middle_does_not_hold_has_a_verdict() -> None:
+    """The loads turn it about a vertical axis: points are spread over its faces on the way."""
+    ground = box((4.0, 4.0, 1.0), (-1.0, -1.0, -1.0), "ground")
+    lower, upper = box((1.0, 1.4, 0.5), (0, 0, 0), "a"), box((1.0, 1.4, 1.5), (0, 0, 0.5), "b")
+    blocks = Assembly((ground, lower, upper), [True, False, False])
+    tie = "b@1,0.2,1.8:ground@4,0.2,0:5kN"
+    assert drystone.check(blocks, friction=0.6, seismic=(0.0, 0.6193), tie=tie).falls

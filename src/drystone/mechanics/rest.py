@@ -120,6 +120,7 @@ class _Path(Equation["_Point", tuple[Floats, Floats, Floats]]):
         self.law = compliance.friction
         self.compliance = compliance
         self.kn, self.quarter = compliance.normal, 0.25 * compliance.normal
+        self.most = np.inf if compliance.most is None else compliance.most
         self.overlap = compliance.overlap
         self.glue = compliance.glue * compliance.normal
         self.options = options
@@ -268,7 +269,7 @@ class _Path(Equation["_Point", tuple[Floats, Floats, Floats]]):
         if moved is None:
             moved = statics.displacement(motion)
         slack = moved[:, 0] + self.overlap + normal / self.kn
-        bearing = normal - self.pull(slack, tau)[0]
+        bearing = np.minimum(normal, self.most) - self.pull(slack, tau)[0]
         friction = self.law(bearing, moved[:, 1:])
         net = bearing - self.glue * slack
         unbalanced = statics.wrench(pressing(net, friction)) + statics.load - self.ground * motion
@@ -296,13 +297,13 @@ class _Path(Equation["_Point", tuple[Floats, Floats, Floats]]):
         stiffness = point.normal / rigidity
         shift = (tau * self.unit - point.normal * point.slack) / rigidity
         (by_slide, by_normal), held = point.friction.slope(), self.pull(point.slack, tau)[1]
-        opening = 1.0 - stiffness / self.kn
-        bearing = stiffness + held * opening
+        opening, elastic = 1.0 - stiffness / self.kn, point.normal < self.most
+        bearing = stiffness * elastic + held * opening
         tangent = np.zeros((3, 3, len(stiffness))).transpose(2, 0, 1)
         tangent[:, 0, 0] = bearing + self.glue * opening
         tangent[:, 1:, 0] = -by_normal * bearing[:, None]
         tangent[:, 1:, 1:] = by_slide
-        borne = shift * (1.0 - held / self.kn)
+        borne = shift * (elastic - held / self.kn)
         net = borne - shift * (self.glue / self.kn)
         correction = np.concatenate([net[:, None], -by_normal * borne[:, None]], axis=1)
         right = point.unbalanced + statics.wrench(correction)
@@ -321,7 +322,8 @@ class _Path(Equation["_Point", tuple[Floats, Floats, Floats]]):
     def unrelaxed(self, point: _Point) -> RestState:
         statics = self.statics
         open_ = point.slack * self.kn > point.normal
-        bearing = np.where(open_, -self.pull(point.slack, 0.0)[0], point.normal)
+        presses = np.minimum(point.normal, self.most)
+        bearing = np.where(open_, -self.pull(point.slack, 0.0)[0], presses)
         tension = np.where(open_, self.glue * point.slack, 0.0)
         friction = self.law(bearing, point.moved[:, 1:])
         force = pressing(bearing - tension, friction)

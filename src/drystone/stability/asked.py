@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import Any
 
@@ -202,7 +202,7 @@ class Asked:
             if more is None:
                 break
             model, self.steps = more[0], self.steps + rest.steps
-        self.count(rest)
+        self.count(replace(rest, falling=None))  # a state of more corners than the model has
         if rest.stands or self.clock.late():
             return None
         self.depends_on(Sensitivity.PRESSURE)

@@ -249,7 +249,8 @@ class Attempt:
         state: RestState | None = None
         for slip in SHORTER_SLIPS:
             smooth = law.uniform(self.problem.statics, slip=slip)
-            state = self._find(AT_REST, state, springs=replace(smooth, normal=self.springs.normal))
+            alike = replace(smooth, normal=self.springs.normal, most=self.springs.most)
+            state = self._find(AT_REST, state, springs=alike)
             if slip == SHORTER_SLIPS[0] and not state.converged:
                 return None
         found = self._examined(self._find(AT_REST, state))

@@ -28,6 +28,8 @@ from drystone.joints import linear_strength_use, plane_pressure
 from drystone.mechanics import law
 from drystone.model import Model
 from drystone.results import Result, Verdict
+from drystone.settlement import Outcome, SettlementOptions
+from drystone.settlement.settling import settle_for_verdict
 from drystone.solvers.program import ConicStatus
 from drystone.solvers.threads import one_blas_thread
 from drystone.stability.attempts import Attempt, Candidate
@@ -131,13 +133,20 @@ def crushing_words(model: Model, share: float | None, motion: Floats) -> str:
 
 
 @one_blas_thread()
-def within_strength(problem: Problem, decide: Callable[[Model], Result], clock: Clock) -> Result:
+def within_strength(
+    problem: Problem,
+    decide: Callable[[Model], Result],
+    clock: Clock,
+    settlement: SettlementOptions,
+) -> Result:
     """The verdict of a model whose joints crush.
 
     Without the limits of strength it must not fall. If it stands with the forces found there within
     them, it stands. Otherwise other forces are asked for, as crushing lets them move (it is
-    ductile): none prove that it falls. Where some exist it stands if no contact stiffness throws it
-    over, and is undecided where friction or settling decided.
+    ductile): none prove that it falls. Where some exist, friction may jam in them what the loads do
+    not. So uniform springs must hold it too, with faces that crush as small as stress blocks leave
+    them and ties that yield. Where they do not, or friction or settling decided, what has ties that
+    yield and no face is followed by finite steps, and else it is undecided.
 
     Parameters
     ----------
@@ -145,6 +154,8 @@ def within_strength(problem: Problem, decide: Callable[[Model], Result], clock: 
     decide
         Gives the verdict on a model without limits of strength.
     clock
+    settlement
+        How blocks are followed.
     """
     model = problem.model
     found = decide(model.without_crushing())
@@ -170,16 +181,111 @@ def within_strength(problem: Problem, decide: Callable[[Model], Result], clock: 
     if most.force is None or most.residuals.largest > FORCE_TOLERANCE:
         words = ["no forces within the strength of its joints were found", clock.reason]
         return replace(undone(found, "; ".join(filter(None, words))), stopped=clock.reason)
-    if not found.sensitive:
-        kept = replace(
-            found, model=model, force=most.force, displacement=None, residuals=most.residuals
-        )
-        return replace(kept, message=f"{found.message}{_reached(kept)}")
-    return undone(
-        found,
-        "forces within the strength of its joints balance the loads, but whether crushing brings "
-        f"them about is not known: without it {found.message}",
+    kept = replace(
+        found, model=model, force=most.force, displacement=None, residuals=most.residuals
     )
+    return _where_it_yields(found, kept, most.force, problem, clock, settlement)
+
+
+def _where_it_yields(
+    found: Result,
+    kept: Result,
+    force: Floats,
+    problem: Problem,
+    clock: Clock,
+    settlement: SettlementOptions,
+) -> Result:
+    """The verdict where forces within the strength exist, but not those that were found without.
+
+    Parameters
+    ----------
+    found
+        STABLE without limits of strength.
+    kept
+        The same, with forces within the strength.
+    force : (k, 3) [N]
+        These.
+    problem, clock, settlement
+        As in :func:`within_strength`.
+    """
+    model, ties, steps = problem.model, problem.model.contacts.ties, found.iterations
+    over = _over(found) if len(found.contacts) == len(ties) else model.contacts.crushes
+    less = _on_smaller_faces(model, over & ~ties, force[:, 0])
+    crushes = bool((over & ~ties).any())
+    why = f"without it {found.message}"
+    if not (found.sensitive and crushes):
+        state = _on_yielding_springs(less, clock)
+        steps += state.steps
+        if state.stands:
+            return replace(kept, message=f"{found.message}{_reached(kept)}", iterations=steps)
+        why = "springs of uniform stiffness that yield were not found to hold it"
+    unknown = (
+        "forces within the strength of its joints balance the loads, but whether crushing brings "
+        "them about is not known"
+    )
+    if crushes or not (less.contacts.plain | ties).all():
+        return replace(undone(found, f"{unknown}: {why}"), iterations=steps)
+    path = settle_for_verdict(less, options=settlement, stop=clock.late)
+    steps += path.iterations
+    if path.rests:
+        words = f"{path.message}; ties yield"
+        return replace(kept, message=words, settlement=path, iterations=steps)
+    found = replace(undone(found, f"{unknown}: {path.message}"), settlement=path, iterations=steps)
+    if path.outcome is not Outcome.FALLS:
+        return found
+    motion = problem.normalised(path.displacement)
+    return replace(
+        found,
+        verdict=Verdict.UNSTABLE,
+        message=f"ties yield, and {path.message}",
+        mechanism=motion,
+        falling=moving_blocks(model.assembly, motion),
+    )
+
+
+def _on_yielding_springs(model: Model, clock: Clock) -> Candidate:
+    """The rest state on uniform springs of which those of ties pull by their strength at most."""
+    problem = Problem.build(model.without_crushing())
+    contacts, springs = model.contacts, law.uniform(problem.statics)
+    most = (contacts.tie_strength[contacts.interface] * contacts.corner_share)[problem.corners]
+    if np.isfinite(most).any():
+        springs = replace(springs, most=most / problem.statics.force_unit)
+    return Attempt(problem, springs, clock.late).from_nothing()
+
+
+def _over(found: Result) -> Bools:
+    """Interfaces (m,) that are pressed more than their strength; all that crush without forces."""
+    if found.force is None:
+        return found.contacts.crushes
+    return normal_force_by_strength(found.contacts, found.force[:, 0])[0] > 1.0
+
+
+def _on_smaller_faces(model: Model, faces: Bools, normal: Floats) -> Model:
+    """The model with faces (m,) that crush as small as the centres of stress blocks reach.
+
+    Parameters
+    ----------
+    model
+    faces
+    normal : (k,) [N]
+        What presses within the strength.
+    """
+    contacts, capacity = model.contacts, model.contacts.capacity
+    if capacity is None or not contacts.crushes.any():
+        return model
+    most = np.where(faces & (contacts.area > 0.0), capacity.compression, np.inf)
+    size = np.clip(1.0 - contacts.corners.sum(normal) / most, 0.0, 1.0)
+    strength = np.where(contacts.ties, capacity.compression, NO_LIMIT)
+    parts = _on_parts(contacts.with_capacity(replace(capacity, compression=strength)), size)
+    return model.with_contacts(parts)
+
+
+def _on_parts(contacts: Contacts, size: Floats) -> Contacts:
+    """The interfaces on faces of shares (m,) of their size, about their centroids."""
+    shrunk = (size < 1.0)[contacts.interface]
+    share, centre = size[contacts.interface, None], contacts.centroid[contacts.interface]
+    point = np.where(shrunk[:, None], centre + share * (contacts.point - centre), contacts.point)
+    return contacts.with_areas(contacts.area * size**2, point=point)
 
 
 def _reached(found: Result) -> str:
@@ -286,11 +392,8 @@ def _elastic(model: Model, holds: Bools, size: Floats, clock: Clock) -> Candidat
     Its forces (k, 3) [N] are those at the corners of the whole faces.
     """
     contacts = _bonded(model, holds).without_crushing().contacts
-    shrunk = (size < 1.0)[contacts.interface]
-    share, centre = size[contacts.interface, None], contacts.centroid[contacts.interface]
-    point = np.where(shrunk[:, None], centre + share * (contacts.point - centre), contacts.point)
-    left = model.with_contacts(contacts.with_areas(contacts.area * size**2, point=point))
-    problem = Problem.build(left)
+    share = size[contacts.interface, None]
+    problem = Problem.build(model.with_contacts(_on_parts(contacts, size)))
     state = Attempt(problem, law.uniform(problem.statics), clock.late).from_nothing()
     whole = contacts.corners.spread(contacts.corners.sum(state.force))
     around = contacts.corner_share[:, None] * whole

@@ -131,7 +131,7 @@ def decided(
 
         if contacts.brittle:
             return with_brittle_mortar(problem.model, other, asked.clock)
-        return within_strength(problem, other, asked.clock)
+        return within_strength(problem, other, asked.clock, asked.options.settlement)
 
     def touching(model: Model, explains: bool = asked.explains) -> Result:
         """The verdict on the same blocks with more contacts."""
