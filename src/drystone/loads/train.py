@@ -15,9 +15,9 @@ from drystone.base.arrays import Floats, frozen_floats
 from drystone.base.errors import InputError, counted, located, meant
 from drystone.base.files import read_bytes, shipped, toml_of
 from drystone.base.settings import Options
-from drystone.base.units import quantity
+from drystone.base.units import UNITS, measured, quantity
 from drystone.loads.fill import Tops
-from drystone.loads.ground_words import before, force, length
+from drystone.loads.ground_words import before, force
 
 
 def _line_load(text: str) -> float:
@@ -25,7 +25,12 @@ def _line_load(text: str) -> float:
     return force(before(text, "m", "line = '80kN/m', on all of the lane"))
 
 
-_READ = {"contact": length, "across": length, "line": _line_load, "lane": length, "clear": length}
+def _length(text: str) -> float:
+    """A length [m], with its unit."""
+    return measured(text, UNITS, what="length")
+
+
+_READ = dict.fromkeys(("contact", "across", "lane", "clear"), _length) | {"line": _line_load}
 _KEYS = ("source", "axles", *_READ)
 
 
@@ -198,7 +203,7 @@ def _axles(texts: Sequence[Any], where: str) -> tuple[tuple[float, ...], tuple[f
         for load, at, _ in each:
             if not at:
                 raise InputError(f"axle '{load}' has no place")
-        return tuple(force(one[0]) for one in each), tuple(length(one[2]) for one in each)
+        return tuple(force(one[0]) for one in each), tuple(_length(one[2]) for one in each)
 
 
 @cache

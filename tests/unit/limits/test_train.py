@@ -557,6 +557,8 @@ def test_what_cannot_cross_is_told(bridge: Model, given: dict[str, object], told
         ('axles = ["1kN at 0m"]\nline = "9kN/mm"', "'9kN/mm' has another unit; write line"),
         ('axles = ["1kN at 0m"]\nline = "-1kN/m"', "line is -1000"),
         ('axles = ["1kN at 0m"]\nlane = "3m"', "it has no line load, but a lane"),
+        ('axles = ["1kN at 0m"]\ncontact = 300', "length '300' is not a number with a unit"),
+        ('axles = ["1kN at 0"]', "length '0' is not a number with a unit"),
     ],
 )
 def test_a_train_that_cannot_be_read_is_told_in_one_line(
