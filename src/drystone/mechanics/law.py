@@ -12,7 +12,7 @@ analysis (Kao et al. 2022, eq. 5.6: ``ft = -alpha dt``, ``alpha >= 0``).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -357,10 +357,10 @@ def samples(
     seed: int,
     *,
     tangential: float,
-) -> Iterator[Compliance]:
-    """Other stiffness distributions: uniform with other friction laws, and random ones.
+) -> tuple[list[Compliance], list[Compliance]]:
+    """Other stiffness distributions: alike in all joints with other friction laws, and random ones.
 
-    The first one has the springs with which blocks are followed. A random distribution has a
+    The first one of all has the springs with which blocks are followed. A random distribution has a
     stiffness within one decade for every interface, like joints of one building, and one slip
     length for all. Over many joints one of them is tried: a second one changed 3 of 533 answers.
 
@@ -378,17 +378,15 @@ def samples(
     load, bound, tension = _slip_load(statics), _bound(statics), _tension(statics)
     place = statics.interface
     joints = int(place.max(initial=-1)) + 1
-    slips = (None, 10.0, 0.1, 100.0)
-    for turn in range(count):
-        if turn == 0:
-            yield uniform(statics, tangential=tangential)
-        elif turn % 2 == 0 and turn // 2 < len(slips):
-            yield uniform(statics, slip=slips[turn // 2])
-        elif turn == 1 or joints <= FEW_JOINTS:
-            normal = base * (10.0 ** rng.uniform(-0.5, 0.5, joints))[place]
-            slip = 10.0 ** rng.uniform(-0.5, 1.0)
-            law = SlipLength(bound, slip * load / base)
-            yield Compliance(normal, law, tension=tension)
+    slips = (None, 10.0, 0.1, 100.0)[: (count + 1) // 2]
+    even = [uniform(statics, slip=slip, tangential=tangential) for slip in slips]
+    uneven = []
+    for _ in range(count // 2 if joints <= FEW_JOINTS else min(count // 2, 1)):
+        normal = base * (10.0 ** rng.uniform(-0.5, 0.5, joints))[place]
+        slip = 10.0 ** rng.uniform(-0.5, 1.0)
+        law = SlipLength(bound, slip * load / base)
+        uneven.append(Compliance(normal, law, tension=tension))
+    return even, uneven
 
 
 def _bound(statics: Statics) -> FrictionBound:

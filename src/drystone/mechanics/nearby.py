@@ -94,7 +94,8 @@ def with_forces(
 
     These forces balance the loads whatever the stiffness is. With other springs each corner has
     them at another overlap and slide, which no motion of the blocks gives. A step of Newton's
-    method from there, with the tangent of the new law, gives a motion.
+    method from there, with the tangent of the new law, gives a motion. None is taken where the
+    blocks rest at this motion with these springs as well.
 
     Source: the LATIN method, Ladeveze 1999.
 
@@ -105,6 +106,8 @@ def with_forces(
     """
     moved = statics.displacement(motion)
     normal = force[:, 0] if compliance.tension is not None else np.maximum(force[:, 0], 0.0)
+    if _Law(statics, compliance, options).at(motion, moved).largest <= options.tolerance:
+        return Start(motion, np.maximum(normal, 0.0))
     gap = compliance.gap_of(normal, moved[:, 0])
     slide = compliance.friction.slide_of(normal, -force[:, 1:], moved[:, 1:])
     response = respond(compliance, gap, slide)
@@ -164,9 +167,9 @@ class _Law(Equation[_Point, Floats]):
         statics: Statics,
         compliance: Compliance,
         options: RestOptions,
-        stop: Callable[[], bool] | None,
-        blurred: float,
-        hurried: bool,
+        stop: Callable[[], bool] | None = None,
+        blurred: float = 0.0,
+        hurried: bool = False,
     ) -> None:
         self.statics, self.compliance, self.stop = statics, compliance, stop
         self.goal = options.tolerance

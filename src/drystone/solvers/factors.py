@@ -16,10 +16,12 @@ from scipy.linalg.lapack import dgetrf, dgetrs
 from drystone.base.arrays import Floats
 from drystone.base.errors import SolverError
 
-REFINED = 1e-6
+REFINED = 1e-5
 """What a solution may leave of its right side. Measured: without a turn 5e-5 is left in domes, 7e-4
 in a wall of 100 courses and 7e-3 in one of 316. A wall of 48,510 blocks then takes 14 Newton steps,
-and 10 with exact factors."""
+and 10 with exact factors. With 1e-6 checks of twelve walls, domes and vaults of 400 to 2,000 blocks
+take 1.05 times as long, and the same steps but two; with 1e-4 a wall of 410 takes 31 factorisations
+in place of 25."""
 
 SLOWLY = 0.3
 """What a turn leaves of what was left, from which on exact factors are sooner there: a turn takes

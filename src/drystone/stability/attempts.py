@@ -200,7 +200,7 @@ class Attempt:
         force = rest.force[problem.corners] / statics.force_unit
         motion = statics.scaled_motion(rest.displacement, statics.mean_length)
         try:
-            start = with_forces(statics, self.springs, AT_REST, force, motion)
+            start = with_forces(statics, self.springs, PROVED, force, motion)
         except SolverError:
             return None
         self.steps += 1

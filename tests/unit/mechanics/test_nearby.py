@@ -61,9 +61,18 @@ def test_a_random_stiffness_is_reached_from_the_uniform_one_of_a_leaning_wall():
     statics = Problem.build(Model.of(wall, friction=0.6, load=load)).statics
     rest = find_rest(statics, uniform(statics), OPTIONS)
     assert rest.converged
-    _, springs = samples(statics, 2, 0, tangential=0.5)
+    _, (springs,) = samples(statics, 2, 0, tangential=0.5)
     start = with_forces(statics, springs, OPTIONS, rest.force, rest.motion)
     assert find_rest_nearby(statics, springs, OPTIONS, start) is not None
+
+
+def test_what_rests_with_other_springs_as_well_takes_no_step(monkeypatch):
+    wall = models.wall(8, 6)
+    statics = Problem.build(Model.of(wall, friction=0.6)).statics
+    rest = find_rest(statics, uniform(statics), OPTIONS)
+    monkeypatch.setattr(SparseMaps, "factorise", None)
+    start = with_forces(statics, uniform(statics, slip=10.0), OPTIONS, rest.force, rest.motion)
+    assert np.array_equal(start.motion, rest.motion)
 
 
 def test_the_wish_to_stop_is_heard():
