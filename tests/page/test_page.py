@@ -582,7 +582,8 @@ def test_the_model_stands_below_details_that_are_open(stands):
             "Emulation.setDeviceMetricsOverride", width=width, height=height,
             deviceScaleFactor=0.5, mobile=False,
         )  # fmt: skip
-        pixels(stands)  # fitted anew
+        stands.click("#fit")
+        pixels(stands)
 
     def colours() -> int:
         """Of the row below the words: more than that of the ground where the model lies there."""
