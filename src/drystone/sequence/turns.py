@@ -15,7 +15,17 @@ from typing import Any, Unpack
 
 import numpy as np
 
-from drystone.answer import Answer, Question, Role, Scene, SceneStage, Sentence, State
+from drystone.answer import (
+    Answer,
+    Layer,
+    LayerKind,
+    Question,
+    Role,
+    Scene,
+    SceneStage,
+    Sentence,
+    State,
+)
 from drystone.base.arrays import Floats
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
@@ -251,7 +261,19 @@ class Turns(Answer):
             yield replace(stage, layers=(*stage.layers, *missing))
         if self.complete is not None and self.turns[-1].works:
             state[state == State.HELD] = State.FREE
-            yield stage_of(self.structure, "all blocks", "", state, self.complete, True)
+            stage = stage_of(self.structure, "all blocks", "", state, self.complete, True)
+            yield replace(stage, layers=(*stage.layers, self._hold_layer))
+
+    @property
+    def _hold_layer(self) -> Layer:
+        """The force of every hold on its block, in one picture."""
+        blocks = np.array([one.block for one in self.turns])
+        label = "holds, each until the next block is in place"
+        return Layer(
+            "help", label, LayerKind.ARROWS, "help", self.model.assembly.centroid[blocks],
+            np.array([one.force for one in self.turns]), block=blocks, single=True, width=2.4,
+            group="help",
+        )  # fmt: skip
 
 
 @checked_call

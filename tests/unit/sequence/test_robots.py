@@ -488,6 +488,8 @@ def test_turns_are_an_answer_with_a_page() -> None:
     scene = found.layers()
     assert [len(scene.stages), scene.stages[-1].headline] == [12, found.title]
     assert found.table()["hold"].max() == found.largest == pytest.approx(1476.14, abs=0.1)
+    (holds,) = (one for one in scene.stages[-1].layers if one.key == "help")
+    np.testing.assert_allclose(np.linalg.norm(holds.vector, axis=1), found.table()["hold"])
     assert found.to_dict()["holds"][0]["force"][2] == pytest.approx(298.49, abs=0.01)
     weak = [Robot("a", payload=60.0), Robot("b", payload=60.0)]
     failed = take_turns(arch(0.15, 11), robots=weak, friction=0.7)
