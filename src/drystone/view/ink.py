@@ -369,12 +369,16 @@ def as_seen(layer: Layer, eye: Floats) -> Layer:
     """A layer as it is seen from (3,): faces that one looks along, as the lines around them.
 
     They are in pieces, unless they are many, and grow wider with a value that differs along them.
+    Faces without a value do not count: of a wall from its end, those between its stones.
     """
     if layer.start is None:
         return layer
     loops, at = Ragged(layer.start), layer.position
     area = area_vectors(at, layer.start)
-    if (np.abs(area @ eye) > 1e-3 * np.linalg.norm(area, axis=1)).any():
+    seen = np.abs(area @ eye) > 1e-3 * np.linalg.norm(area, axis=1)
+    if layer.value is not None:
+        seen &= np.maximum.reduceat(layer.value, layer.start[:-1]) > 1e-3 * layer.largest
+    if seen.any():
         return layer
     pieces = 1 if layer.value is None or len(at) > 5_000 else _SHADES
     share, after = np.arange(pieces)[:, None] / pieces, loops.following

@@ -23,7 +23,7 @@ from drystone.answer.question import asked_line
 from drystone.assembly import Assembly
 from drystone.base.errors import InputError
 from drystone.base.units import quantity
-from drystone.models import arch, box, tower
+from drystone.models import arch, box, tower, wall
 from drystone.view import page_text, save_chart, save_figure, scene_of
 from drystone.view.exploded import taken_apart
 from drystone.view.figure import draw
@@ -130,6 +130,9 @@ def test_joints_that_one_looks_along_are_drawn_as_lines() -> None:
     assert "friction used, along joints, up to 49 %" in texts(
         figure_of(result, preset="utilisation")
     )
+    stones = drystone.check(wall(2, 2), friction=0.7)
+    told = texts(figure_of(stones, layers=["joint-force"], toward=np.array([1.0, 0.0, 0.0])))
+    assert "normal force at a corner, along joints, up to" in told
     forces = figure_of(result, layers=["joint-force"])
     (lines,) = [one for one in forces.axes[0].collections if isinstance(one, LineCollection)]
     widths = np.reshape(lines.get_linewidths(), (-1, 4 * result.contacts.count))
