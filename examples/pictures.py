@@ -9,7 +9,7 @@ from pathlib import Path
 import drystone
 from drystone.models import shelf, vault
 
-SIZE = (7.0, 4.6)
+SIZE = (7.0, 4.0)
 """Inches."""
 
 
