@@ -173,7 +173,9 @@ def _region(
     mine[list(blocks)] = wrench
     motion = first_motion_of(model, mine)
     forces = answer.force if answer.force is not None else answer.force_with_props
-    joints = joint_states(model, marked(list(blocks), len(model)), interfaces, motion, forces)
+    needy = marked(list(blocks), len(model))
+    seen = np.where(needy[:, None], drawn, 0.0)
+    joints = joint_states(model, needy, interfaces, seen if seen.any() else motion, forces)
     force, point = one_force(model, blocks, wrench)
     pulls = pulls_of(alone.contacts, alone.tension, np.flatnonzero(interfaces))
     needs = Needs(frozen(wrench), frozen(force), frozen(point), pulls)

@@ -364,3 +364,13 @@ def test_what_crushes_is_said_to_crush_its_loads_are_drawn_and_thicker_it_stands
     thick = thicken_blocks(fallen.model, ring.free.tolist(), 0.3)
     assert DesignMargin().stands(thick, quick=True)
     assert "moments" not in {one.key for one in load_layers(thick.assembly, thick.load)}
+
+
+def test_the_words_tell_the_motion_that_the_picture_shows() -> None:
+    """With what is around it held still, the block would hinge."""
+    found = diagnose(shelf(), friction=0.6, options=DiagnosisOptions.brief())
+    (stage,) = found.layers().stages
+    drawn = {layer.key for layer in stage.layers}
+    assert ("sliding" in drawn, "hinges" in drawn) == (True, False)
+    assert "slides" in only(found).sentence
+    assert "hinges" not in only(found).sentence
