@@ -404,7 +404,8 @@ def draw_layer(sheet: Sheet, layer: Layer, stretch: float) -> None:
     at = sheet.project(layer.position)
     if layer.kind is LayerKind.MARKERS:
         sheet.axes.scatter(
-            at[:, 0], at[:, 1], s=(7.5 * max(sheet.thin, 0.35)) ** 2, color=colour,
+            at[:, 0], at[:, 1], s=(7.5 * max(sheet.thin, 0.35)) ** 2,
+            facecolors=np.where(_behind(sheet, layer.position), "none", colour).tolist(),
             marker="D" if layer.shape is MarkerShape.DIAMOND else "o",
             edgecolors=sheet.colours["edge"], linewidths=0.8, zorder=4.0,
         )  # fmt: skip
@@ -434,6 +435,29 @@ def draw_layer(sheet: Sheet, layer: Layer, stretch: float) -> None:
             _arrows(sheet, at + half, -half, colour, layer.width)
         else:
             _arrows(sheet, at, half, colour, layer.width)
+
+
+def _behind(sheet: Sheet, points: Floats) -> Bools:
+    """Which points (p, 3) lie behind solid blocks, in the box of none: their marks are hollow."""
+    hidden = np.zeros(len(points), dtype=bool)
+    here = sheet.stage.state != State.ABSENT
+    if sheet.opacity < 1.0 or sheet.plane is not None or not here.any():
+        return hidden
+    faces = sheet.scene.assembly.subset(np.flatnonzero(here)).faces
+    corners = faces.point[faces.loop]
+    triangle, face = triangulate(corners, faces.start)
+    three = corners[triangle[(faces.normals @ sheet.eye > ROUNDING)[face]]]
+    flat, depth = sheet.project(three), three @ sheet.eye
+    spot, over = shapely.STRtree(shapely.polygons(flat)).query(
+        shapely.points(sheet.project(points)), predicate="intersects"
+    )
+    front = _depth_at(flat[over], depth[over], sheet.project(points[spot]))
+    nearer = front > points[spot] @ sheet.eye
+    low, high = sheet.scene.assembly.bounds[here].transpose(1, 0, 2)
+    on = ROUNDING * np.ptp(corners)
+    for one in np.unique(spot[nearer]).tolist():
+        hidden[one] = not ((low - on <= points[one]) & (points[one] <= high + on)).all(axis=1).any()
+    return hidden
 
 
 def _arrows(sheet: Sheet, at: Floats, vector: Floats, colour: str, width: float) -> None:

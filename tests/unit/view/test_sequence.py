@@ -127,6 +127,16 @@ def test_the_names_of_two_reaches_that_end_on_one_line_lie_apart() -> None:
     assert 0.5 < np.linalg.norm(second - first) < 1.0
 
 
+def test_the_base_of_a_robot_behind_blocks_is_hollow() -> None:
+    """In a figure it lay on them as if it stood before them."""
+    team = [Robot("front", (0.5, -3.0, 0.5)), Robot("back", (0.5, 3.0, 0.5))]
+    scene = plan(tower(2), options=PlanOptions(rules=Rules(robots=team))).layers()
+    for eye, filled in ((-1.0, [True, False]), (1.0, [False, True])):
+        drawn = draw(scene, (4.0, 3.0), toward=np.array([0.0, eye, 0.0])).axes[0].collections
+        (bases,) = (one for one in drawn if len(one.get_offsets()) == 2)
+        assert (bases.get_facecolors()[:, 3] > 0.0).tolist() == filled
+
+
 def test_the_last_stage_shows_every_status(planned):
     state = planned.layers().stages[-1].state
     wanted = {Status.SUPPORT: State.SUPPORT, Status.FREE: State.FREE, Status.HELD: State.HELD,
