@@ -8,7 +8,6 @@ friction cone is a pyramid with any number of sides, inside or around the exact 
 from __future__ import annotations
 
 from collections.abc import Callable
-from itertools import combinations
 
 import numpy as np
 from scipy.optimize import linprog
@@ -24,29 +23,25 @@ TOUCH = 1e-5
 def touching_faces(assembly: Assembly, friction: float) -> Contacts:
     """Contacts of a small model by brute force over all pairs of faces."""
     size = float(assembly.size.max())
-    faces = [
-        [_plane(block.vertices[list(loop)]) for loop in block.faces] for block in assembly.blocks
-    ]
+    faces = [[block.vertices[list(loop)] for loop in block.faces] for block in assembly.blocks]
+    normals = [np.array([_normal(corners) for corners in each]) for each in faces]
+    low, high = assembly.bounds.transpose(1, 0, 2)
+    near = (np.maximum(low[:, None], low) <= np.minimum(high[:, None], high) + TOUCH * size).all(2)
     found: list[tuple[int, int, np.ndarray, float, np.ndarray]] = []
-    for a, b in combinations(range(len(assembly)), 2):
-        low = np.maximum(assembly.bounds[a, 0], assembly.bounds[b, 0])
-        if (low > np.minimum(assembly.bounds[a, 1], assembly.bounds[b, 1]) + TOUCH * size).any():
-            continue
-        for corners, normal in faces[a]:
-            for others, opposite in faces[b]:
-                if normal @ opposite > -1.0 + TOUCH**2:
-                    continue
-                if np.abs((others - corners[0]) @ normal).max() > TOUCH * size:
-                    continue
-                u = np.cross(np.eye(3)[np.abs(normal).argmin()], normal)
-                frame = np.stack([normal, u / np.linalg.norm(u), np.zeros(3)])
-                frame[2] = np.cross(frame[0], frame[1])
-                flat = [Polygon((part - corners[0]) @ frame[1:].T) for part in (corners, others)]
-                shared = flat[0].intersection(flat[1])
-                for piece in getattr(shared, "geoms", [shared]):
-                    if piece.area > TOUCH * size * np.sqrt(flat[0].area):
-                        ring = np.array(piece.normalize().exterior.coords)[-1:0:-1]
-                        found.append((a, b, frame, piece.area, ring @ frame[1:] + corners[0]))
+    for a, b in np.argwhere(np.triu(near, 1)).tolist():
+        for i, j in np.argwhere(normals[a] @ normals[b].T <= -1.0 + TOUCH**2).tolist():
+            corners, normal, others = faces[a][i], normals[a][i], faces[b][j]
+            if np.abs((others - corners[0]) @ normal).max() > TOUCH * size:
+                continue
+            u = _cross(np.eye(3)[np.abs(normal).argmin()], normal)
+            u /= np.linalg.norm(u)
+            frame = np.stack([normal, u, _cross(normal, u)])
+            flat = [Polygon((part - corners[0]) @ frame[1:].T) for part in (corners, others)]
+            shared = flat[0].intersection(flat[1])
+            for piece in getattr(shared, "geoms", [shared]):
+                if piece.area > TOUCH * size * np.sqrt(flat[0].area):
+                    ring = np.array(piece.normalize().exterior.coords)[-1:0:-1]
+                    found.append((a, b, frame, piece.area, ring @ frame[1:] + corners[0]))
     points = [item[4] for item in found]
     return Contacts(
         np.array([item[0] for item in found], dtype=np.intp),
@@ -59,9 +54,16 @@ def touching_faces(assembly: Assembly, friction: float) -> Contacts:
     )
 
 
-def _plane(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    area = np.cross(corners - corners[0], np.roll(corners, -1, axis=0) - corners[0]).sum(axis=0)
-    return corners, area / np.linalg.norm(area)
+def _normal(corners: np.ndarray) -> np.ndarray:
+    arms = corners - corners[0]
+    area = _cross(arms.T, np.roll(arms, -1, axis=0).T).sum(axis=1)
+    return area / np.linalg.norm(area)
+
+
+def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """(3, ...) the product of columns; of few several times as fast as numpy's."""
+    (x, y, z), (u, v, w) = a, b
+    return np.array([y * w - z * v, z * u - x * w, x * v - y * u])
 
 
 def equilibrium(assembly: Assembly, contacts: Contacts) -> csr_array:
