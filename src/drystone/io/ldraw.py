@@ -59,7 +59,8 @@ def read(data: bytes, path: Path) -> Draft:
     """The draft of the bricks of a file, with a ground plate below the lowest."""
     models = _models(decode(data, path), path)
     first = next((name for name, parts in models.items() if name or parts), "")
-    parts = [_part(*part) for part in _placed(models, first, path)]
+    placed = [*_placed(models, first, path)]  # too many are refused before any is looked at
+    parts = [_part(*part) for part in placed]
     if not parts:
         raise FormatError("holds no brick", where=str(path), remedy="save parts, not only lines")
     corner = np.array([low for low, _ in parts])
