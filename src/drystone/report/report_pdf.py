@@ -36,6 +36,7 @@ def pdf_of(document: Document) -> bytes:
         reportlab is not installed.
     """
     require_pdf()
+    from reportlab import rl_config
     from reportlab.platypus import CondPageBreak, SimpleDocTemplate
 
     made = io.BytesIO()
@@ -55,7 +56,12 @@ def pdf_of(document: Document) -> bytes:
     for one, after in pairwise(story):
         if isinstance(after, CondPageBreak):
             one.keepWithNext = 0  # a table is broken over pages, and not moved to the next one
-    template.build(story, canvasmaker=_numbered(document))
+    # bytes, not letters for them: a sixth smaller, in two thirds of the time
+    before, rl_config.useA85 = rl_config.useA85, 0
+    try:
+        template.build(story, canvasmaker=_numbered(document))
+    finally:
+        rl_config.useA85 = before
     return made.getvalue()
 
 
