@@ -184,7 +184,10 @@ class Limit(LimitValues, Answer):
         if self._open:
             return f"Not decided at {start}"
         if self.best.falls == self.start:
-            return f"Falls at {start}, where the search starts: change the model to stand there"
+            rough = "friction" in self.quantity.replaces
+            more = "more was not tried: --friction, in Python upper, starts higher"
+            remedy = more if rough else "change the model to stand there"
+            return f"Falls at {start}, where the search starts: {remedy}"
         tried = f"Stands at no {self.quantity.words} that was tried"
         return tried if self._known else "No verdict is known yet"
 

@@ -292,6 +292,15 @@ def test_the_share_of_strength_is_that_of_a_stress_block_and_stands_in_the_asses
         limit_strength(pier)
 
 
+def test_what_falls_at_its_own_friction_may_stand_with_more() -> None:
+    """The slope of 35 degrees is 0.70."""
+    found = limit_friction(incline(35.0), friction=0.4, options=LimitOptions(equilibrium_only=True))
+    told = "Falls at friction 0.4, where the search starts: more was not tried: --friction, "
+    assert found.title.startswith(told)
+    again = limit_friction(incline(35.0), upper=1.0, options=LimitOptions(equilibrium_only=True))
+    assert again.equilibrium.stands == pytest.approx(np.tan(np.deg2rad(35.0)), abs=2e-3)
+
+
 def test_draws_depend_on_their_seed_only() -> None:
     kinds = Imperfections(friction_range=(0.3, 0.5))
     slope = incline(np.rad2deg(np.arctan(0.4)))
