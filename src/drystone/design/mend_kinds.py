@@ -28,7 +28,7 @@ from drystone.design.changes import (
     joint_change,
 )
 from drystone.design.margin import LARGE_REGION, SMALL_REGION
-from drystone.design.mends_beside import prop, support, tie
+from drystone.design.mends_beside import prop, support, tie, twins_of
 from drystone.design.needs import SEARCHED, KnownNeeds, pulls_of_region
 from drystone.design.props import tops_of
 from drystone.design.surgery import (
@@ -192,9 +192,9 @@ def _joints(asked: KnownNeeds, kind: str) -> Proposals:
 def _thicker(asked: KnownNeeds) -> Proposals:
     """Thicker blocks of the region; where that does not hold the whole, all blocks.
 
-    Members are of one thickness but for the least increase that is tried, as piers below a ring
-    are: each is tried alone, too, and those together that get thicker along one line, as piers and
-    abutments. What slides gets thicker along its way, and what falls in the plane of all others.
+    Members are of one thickness but for the least increase that is tried, and along one line, as
+    piers below a ring are: each is tried alone, too, and those together that are along one line, as
+    piers and abutments. What slides gets thicker along its way, what falls in the plane of others.
     """
     bench = asked.bench
     own = [i for i in bench.own if not bench.kept([i])]
@@ -230,13 +230,21 @@ def _thicker(asked: KnownNeeds) -> Proposals:
 
     order = np.argsort(thick, kind="stable")
     ends = np.flatnonzero(np.diff(thick[order]) > _SHARES[0] * thick[order][:-1]) + 1
-    members = [np.sort(one) for one in np.split(order, ends)]
+    members = [part for one in np.split(order, ends) for part in _in_two_lines(np.sort(one), way)]
     for one in (*members, *_in_line(members, way)) if 1 < len(members) <= SMALL_REGION else ():
         yield tries(partial(region, one))
     failed = len(bench.tried)
     yield tries(partial(region, np.arange(len(own))))
     if len(bench.tried) > failed and not bench.keep:
         yield tries(partial(_all_thicker, own, axes))
+
+
+def _in_two_lines(member: Ints, way: Floats) -> list[Ints]:
+    """The two parts of a member that get thicker along two lines, by ways (o, 3); else itself."""
+    first = np.abs(way[member] @ way[member[0]]) > PARALLEL
+    parts = [member[first], member[~first]]
+    two = [len(one) > 0 and (np.abs(way[one] @ way[one[0]]) > PARALLEL).all() for one in parts]
+    return parts if all(two) else [member]
 
 
 def _in_line(members: list[Ints], way: Floats) -> Iterator[Ints]:
@@ -330,24 +338,43 @@ def _overhung(model: Model, made: Mapping[int, Block], across: Floats) -> tuple[
 
 
 def _ballast(asked: KnownNeeds) -> Proposals:
-    """The least weight on one block; else on each of the two that rise most when it falls."""
+    """The least weight on one block of few; else on each of two.
+
+    Those are the two that rise most when it falls, and twins that move apart, as the tops of piers
+    that an arch pushes outward do: the two pairs farthest apart.
+    """
     bench, ballast = asked.bench, asked.needs.ballast
     own, tops = len(bench.own), tops_of(bench.local, bench.own)
-    if ballast is None:
-        rise = bench.motion[:own, :3] @ -acceleration_of(bench.local)
-        share = np.round(rise / (np.abs(rise).max() or 1.0), 6)
-        two = sorted((i for i in tops if share[i] > 0.0), key=lambda i: -share[i])[:2]
-        why = f"no weight up to {MOST:g} times its own in the middle of one free top holds it"
-        if own <= SEARCHED and len(two) > 1:
-            both = f"{why}, or on each of the two that rise most"
-            yield Tries([ballast_change(bench.local, own, {i: tops[i] for i in two})], both)
-        else:
-            yield why
+    if ballast is not None:
+        on = bench.region.index(ballast.at[0])
+        change = ballast_change(bench.local, own, {on: tops[on]})
+        same = replace(change, steps=(ballast.value,), low=ballast.value)
+        yield Tries([same], "the least weight does not keep the margin")
         return
-    on = bench.region.index(ballast.at[0])
-    change = ballast_change(bench.local, own, {on: tops[on]})
-    same = replace(change, steps=(ballast.value,), low=ballast.value)
-    yield Tries([same], "the least weight does not keep the margin")
+    rise = bench.motion[:own, :3] @ -acceleration_of(bench.local)
+    share = np.round(rise / (np.abs(rise).max() or 1.0), 6)
+    two = sorted((i for i in tops if share[i] > 0.0), key=lambda i: -share[i])[:2]
+    pairs = [*([two] if len(two) > 1 else []), *_spreading(bench, tops)]
+    weight = float(
+        bench.local.assembly.mass[:own].sum() * math.hypot(*acceleration_of(bench.local))
+    )
+    why = f"no weight up to {MOST:g} times the {quantity(weight, 'N')} of the region holds it"
+    single = list(tops) if own <= SEARCHED else []
+    where = [f"{'one of ' * (len(single) > 1)}{names_of(bench.local, single)}"] if single else []
+    where += [f"each of {names_of(bench.local, pair)}" for pair in pairs]
+    why += f" in the middle of the free top of {', or of '.join(where)}" if where else ": none fits"
+    changes = [ballast_change(bench.local, own, {i: tops[i] for i in pair}) for pair in pairs]
+    yield Tries(changes, why, Take.SMALLEST)
+
+
+def _spreading(bench: Bench, tops: Mapping[int, Floats]) -> list[list[int]]:
+    """Pairs of twins with free tops that move apart, the two farthest apart."""
+    centroid, found = bench.local.assembly.centroid, list[tuple[float, list[int]]]()
+    for i, j in twins_of(bench).tolist():
+        way, far = unit(centroid[j] - centroid[i])
+        if i in tops and j in tops and (bench.motion[j, :3] - bench.motion[i, :3]) @ way > 0.0:
+            found.append((-round(far / bench.local.assembly.size.max(), 6), [i, j]))
+    return [pair for _, pair in sorted(found)[:2]]
 
 
 def _glue(asked: KnownNeeds) -> Proposals:
@@ -430,8 +457,7 @@ _PROPOSED: Mapping[str, Callable[[KnownNeeds], Proposals]] = {
 
 _LARGEST = {
     **dict.fromkeys(("support", "merge"), SMALL_REGION),
-    **dict.fromkeys(("slide", "turn", "wedge", "let-in"), LARGE_REGION),
-    "ballast": SEARCHED,
+    **dict.fromkeys(("slide", "turn", "wedge", "let-in", "ballast"), LARGE_REGION),
 }
 """The largest number of blocks of a region on which a kind is tried, where there is one. Chosen: a
 cut takes a twentieth of a second."""

@@ -146,6 +146,14 @@ _TIED = (
     "yields may bear less: give its strength, as --tie A:B:20kN, and check it"
 )
 
+_DRAIN = (
+    "a drain was not tried: a load with its water lower, or left out, and drystone check say "
+    "whether it is enough"
+)
+
+_WET = " and water to "
+"""In the words of earth with water."""
+
 _DRAWN = 5_000
 """Blocks of all mends on a page, which is then 5 MB. Chosen; further mends are listed only."""
 
@@ -332,6 +340,8 @@ class Mends(Answer):
         loaded = bool(load.each or load.masses or load.shake.any())
         told = _BUILT + _LOADED * loaded + _LET_IN * recut
         built = [Sentence(told, Role.REMARK)] if self.mends else []
+        if not self.message and any(_WET in one.words for one in load.each):
+            built.append(Sentence(_DRAIN, Role.REMARK))
         tied = any(one.change.kind == "tie" for one in self.mends)
         built += [Sentence(_TIED, Role.REMARK)] * tied
         said = [verdict, Sentence(self.message), *mends, *built, *failed, *reasons]

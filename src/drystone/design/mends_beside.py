@@ -261,7 +261,7 @@ def tie(asked: KnownNeeds) -> Proposals:
 
     beside = np.array([bool({(i, j), (j, i)} & touching) for i, j in apart.tolist()])  # tried last
     # from the middle a tie is half as long as between opposite blocks, and pulls aside
-    twins = (apart[:, None] == _twins(bench)).all(axis=2).any(axis=1)
+    twins = (apart[:, None] == twins_of(bench)).all(axis=2).any(axis=1)
     aside = ~(twins & (bulk <= 2.0 * bulk.min()))
     first = apart[np.lexsort((_off(bench, apart), bulk, aside, beside))].tolist()
     why = "" if held else f"a tie between blocks that move apart, of {counted(len(first), 'pair')}"
@@ -384,7 +384,7 @@ def _apart(bench: Bench, motion: Floats, ties: tuple[_Ends, ...] = ()) -> tuple[
     level = np.round(rate / max(rate.max(initial=0.0), np.finfo(float).tiny) / ALIKE)
     few = max(level.size - _FIRST, 0)
     ends = np.argwhere((rate > 0.0) & (level >= np.partition(level, few, axis=None)[few]))
-    twins = _twins(bench)
+    twins = twins_of(bench)
     twins = twins[rate[tuple(twins.T)] > 0.0]
 
     def fastest(pairs: Ints, count: int) -> Ints:
@@ -396,7 +396,7 @@ def _apart(bench: Bench, motion: Floats, ties: tuple[_Ends, ...] = ()) -> tuple[
     return rate[tuple(first.T)], first
 
 
-def _twins(bench: Bench) -> Ints:
+def twins_of(bench: Bench) -> Ints:
     """Pairs (p, 2) of blocks of the region that alone have their volume and their height."""
     own, like = _alike(bench)
     alone = like.sum(axis=1) == 2

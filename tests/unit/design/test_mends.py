@@ -252,11 +252,11 @@ def test_a_tie_carries_what_keeps_two_blocks_from_turning_apart(tmp_path: Path) 
     assert again(found.model, tmp_path).stable
 
 
-def test_a_flat_arch_that_spreads_is_tied_from_side_to_side() -> None:
-    """By 676 N; a tie from one side to the voussoir next to the middle took 1.22 kN."""
-    edge, depth = np.linspace(-0.9, 0.9, 6), (0.0, 0.4)
+def flat_arch(stones: int, pier: float = 0.5) -> Model:
+    """On piers of a width [m], 1.8 m apart."""
+    edge, depth = np.linspace(-0.9, 0.9, stones + 1), (0.0, 0.4)
     rows = [box((4.0, 1.0, 0.2), (-2.0, -0.3, -0.2), "ground")]
-    for x, out, name in ((-0.9, -1.4, "left"), (0.9, 1.4, "right")):
+    for x, out, name in ((-0.9, -0.9 - pier, "left"), (0.9, 0.9 + pier, "right")):
         rows.append(prism([(x, 0.0), (out, 0.0), (out, 1.4), (x, 1.4)], depth, f"pier-{name}"))
         cap = (x, 1.4), (out, 1.4), (out, 1.8), (1.24 * x, 1.8)
         rows.append(prism(cap, depth, f"cap-{name}"))
@@ -264,10 +264,21 @@ def test_a_flat_arch_that_spreads_is_tied_from_side_to_side() -> None:
         prism([(a, 1.4), (b, 1.4), (1.24 * b, 1.8), (1.24 * a, 1.8)], depth, f"stone-{i}")
         for i, (a, b) in enumerate(pairwise(edge))
     ]
-    model = Model.of(Assembly(rows).with_fixed([0]), friction=0.7)
-    (found,) = find_mends(model, options=MendOptions(kinds=("tie",))).mends
+    return Model.of(Assembly(rows).with_fixed([0]), friction=0.7)
+
+
+def test_a_flat_arch_that_spreads_is_tied_from_side_to_side() -> None:
+    """By 676 N; a tie from one side to the voussoir next to the middle took 1.22 kN."""
+    (found,) = find_mends(flat_arch(5), options=MendOptions(kinds=("tie",))).mends
     assert "between the middles of 'cap-left' and 'cap-right'" in found.change.description
     assert found.change.value < 700.0
+
+
+def test_weights_are_tried_on_the_stones_that_rise_most_and_above_piers_that_spread() -> None:
+    ((_, tried),) = find_mends(flat_arch(9, 0.4), options=MendOptions(kinds=("ballast",))).tried
+    assert tried.what.startswith("no weight up to 10 times the 20.3 kN of the region holds it in ")
+    ends = "each of 'stone-0' and 'stone-8', or of each of 'cap-left' and 'cap-right'; "
+    assert ends in tried.what
 
 
 @pytest.mark.parametrize(
@@ -670,6 +681,19 @@ def test_a_pier_gets_thicker_where_it_overturns_and_its_foot_with_it() -> None:
     assert "and 'course--1' thicker by" in only.change.description
     assert "along x" in only.change.description
     assert "overhang" not in only.change.description  # its foot is the ground
+
+
+def test_what_wet_earth_pushes_is_told_of_a_drain() -> None:
+    made = tower(2)
+    kinds = MendOptions(kinds=("merge",))
+
+    def told(water: str) -> str:
+        earth = Earth.named(f"side=-x,weight=20kN/m3,k=2{water}").on(made)
+        model = Model.of(made, load=LoadCase.gravity(made) + earth, friction=0.3)
+        return " ".join(one.text for one in find_mends(model, options=kinds).sentences())
+
+    assert "a drain was not tried: " in told(",water=2m")
+    assert "drain" not in told("")
 
 
 def test_a_pier_and_its_abutment_get_thicker_together_away_from_the_arch_that_pushes() -> None:
