@@ -259,17 +259,14 @@ def test_a_printed_page_holds_the_picture(stands):
     stands.until("document.getElementById('printed').hidden")
 
 
-def test_the_charts_of_a_page_are_printed(opened):
+def test_the_page_of_a_limit_says_the_limit_shows_both_sides_and_prints_its_chart(opened):
     tab = opened(drystone.limit_tilt(tower(2), "y", friction=0.3))
     tab.send("Emulation.setEmulatedMedia", media="print")
     height = "document.querySelector('{}').getBoundingClientRect().height"
     assert tab.run(height.format(".chart svg")) > 100.0
     assert tab.run(height.format("#presets")) == 0.0
     assert len(re.findall(rb"/Type\s*/Page\b", tab.printed())) == 2
-
-
-def test_the_page_of_a_limit_says_the_limit_and_shows_both_sides(opened):
-    tab = opened(drystone.limit_tilt(tower(2), "y", friction=0.3))
+    tab.send("Emulation.setEmulatedMedia", media="")
     assert tab.text("h1").startswith("Stands up to 16.")
     assert tab.run("document.querySelectorAll('aside svg circle').length") > 0
     before = pixels(tab)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import hypothesis.strategies as st
 import numpy as np
 import pytest
@@ -38,7 +40,12 @@ MODELS = {
     "shelf": shelf(),
     "edge": Assembly((SLAB, ON_EDGE)),
 }
-FOUND = {name: find_contacts(model) for name, model in MODELS.items()}
+
+
+@cache
+def found_in(name: str) -> Detection:
+    """What is found where nothing is changed."""
+    return find_contacts(MODELS[name])
 
 
 def table(detection: Detection, order: np.ndarray, scale: float) -> np.ndarray:
@@ -68,7 +75,7 @@ def table(detection: Detection, order: np.ndarray, scale: float) -> np.ndarray:
 def test_contacts_are_those_of_the_model(
     name: str, axis: tuple[float, float, float], turn: float, scale: float, move: float, seed: int
 ) -> None:
-    model, expected = MODELS[name], FOUND[name]
+    model, expected = MODELS[name], found_in(name)
     order = np.random.default_rng(seed).permutation(len(model))
     place = move * scale * np.array([1.0, -0.7, 0.4])
     changed = model.subset(order).transformed(scale * rotation_about(np.array(axis), turn), place)
