@@ -193,8 +193,9 @@ def _thicker(asked: KnownNeeds) -> Proposals:
     """Thicker blocks of the region; where that does not hold the whole, all blocks.
 
     Members are of one thickness but for the least increase that is tried, and along one line, as
-    piers below a ring are: each is tried alone, too, and those together that are along one line, as
-    piers and abutments. What slides gets thicker along its way, what falls in the plane of others.
+    piers below a ring are: each is tried alone, too, with what it lies on, and those together that
+    are along one line, as piers and abutments. What slides gets thicker along its way, what falls
+    in the plane of others.
     """
     bench = asked.bench
     own = [i for i in bench.own if not bench.kept([i])]
@@ -233,10 +234,37 @@ def _thicker(asked: KnownNeeds) -> Proposals:
     members = [part for one in np.split(order, ends) for part in _in_two_lines(np.sort(one), way)]
     for one in (*members, *_in_line(members, way)) if 1 < len(members) <= SMALL_REGION else ():
         yield tries(partial(region, one))
+        below = _below(bench, [own[k] for k in one])
+        if below and (np.abs(way[one] @ way[one[0]]) > PARALLEL).all():
+            yield tries(partial(_with_names, below, axes[one[0]]))
     failed = len(bench.tried)
     yield tries(partial(region, np.arange(len(own))))
     if len(bench.tried) > failed and not bench.keep:
         yield tries(partial(_all_thicker, own, axes))
+
+
+def _below(bench: Bench, own: list[int]) -> tuple[str, ...]:
+    """Names of blocks of the local model and of all on which they lie, down to supports.
+
+    None where these are of the region too, or may not be changed.
+    """
+    model, names = bench.model, bench.model.assembly.names
+    some = [bench.region[i] for i in own]
+    more = set(some)
+    while more:
+        more = {other for _, _, other, _ in _seats(model, some)} - set(some)
+        more -= set(np.flatnonzero(model.assembly.fixed).tolist())
+        some += sorted(more)
+    new = set(some[len(own) :])
+    return () if not new or new & {*bench.region, *bench.keep} else tuple(names[i] for i in some)
+
+
+def _with_names(
+    names: tuple[str, ...], axis: Floats, model: Model, _: Ints
+) -> tuple[list[int], Floats]:
+    """The blocks with these names, and the axis about which they turn for each."""
+    grown = model.assembly.indices([one for one in names if one in model.assembly]).tolist()
+    return grown, np.tile(axis, (len(grown), 1))
 
 
 def _in_two_lines(member: Ints, way: Floats) -> list[Ints]:

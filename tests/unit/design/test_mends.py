@@ -274,6 +274,16 @@ def test_a_flat_arch_that_spreads_is_tied_from_side_to_side() -> None:
     assert found.change.value < 700.0
 
 
+def test_abutments_that_slide_get_thicker_with_the_piers_below_that_do_not_move() -> None:
+    sliding = flat_arch(1, 0.7).with_friction(0.3)
+    found = find_mends(sliding, options=MendOptions(kinds=("thicker",)))
+    told = " ".join(tried.what for _, tried in found.tried)
+    assert "more thickness of 'cap-left' and 'cap-right', along x; " in told
+    assert (
+        "more thickness of 'cap-left', 'cap-right', 'pier-left' and 'pier-right', along x" in told
+    )
+
+
 def test_weights_are_tried_on_the_stones_that_rise_most_and_above_piers_that_spread() -> None:
     ((_, tried),) = find_mends(flat_arch(9, 0.4), options=MendOptions(kinds=("ballast",))).tried
     assert tried.what.startswith("no weight up to 10 times the 20.3 kN of the region holds it in ")
