@@ -556,7 +556,7 @@ def test_what_earth_presses_with_stands_in_the_name_of_a_load() -> None:
     assert earth.on(tower(2)).name == f"{told} and wall friction 0.364, at most its own"
     wet = Earth.named("side=-x,weight=18kN/m3,k=active:30deg,surcharge=5kPa,water=0.5m")
     assert wet.on(tower(2)).name == f"{told} and surcharge 5 kPa and water to 0.5 m"
-    notes = [replace(wet, water=one).on(tower(2)).notes[-1] for one in (0.5, 2.0, 2.5)]
+    notes = [replace(wet, water=one).on(tower(2)).notes[-1] for one in (1.5, 2.0 + 1e-15, 2.5)]
     above = "water, a level, stands 0.5 m above what it presses"
     assert [one == above for one in notes] == [False, False, True]
     assert Fill(0.0, 0.0, spread=0.0).words == "no fill: a load acts where it stands"
@@ -580,12 +580,21 @@ def test_water_and_a_surcharge_add_to_earth() -> None:
     load = Earth.named("side=y,weight=20kN/m3,k=0.5,water=1m,surcharge=10kPa").on(wall)
     thrust = 0.5 * (20e3 * 4.5 - 9810.0 * 0.5 + 10e3 * 3.0) + 9810.0 * 0.5
     assert load.wrench[:, 1].sum() == pytest.approx(-thrust)
+    assert not load.notes  # its level is the foot of what is free: no uplift
+
+
+def test_uplift_below_a_wall_is_told_ready_to_type() -> None:
+    """1.5 m of water above the foot of the free blocks: 14.7 kPa at one edge, none at the other."""
+    wall = tower(3)
+    load = Earth.named("side=y,weight=20kN/m3,k=0.5,water=2.5m").on(wall)
     uplift, _, typed = load.notes[0].partition(" --load ")
-    assert uplift.startswith("uplift below the wall is not counted")
-    part = typed.strip("'").replace("NAME", "block-1")
-    pushed = check(wall, friction=0.6, load=part).model.load.wrench
-    assert pushed[1, 2] == pytest.approx(5000.0 - 9.81 * wall.mass[1])
-    assert not Earth.named("side=y,weight=20kN/m3,k=0.5,water=0m").on(wall).notes
+    assert uplift == (
+        "uplift below the wall is not counted: at 1 m, 14.7 kPa at the wet side, none at a "
+        "drained one, 7.36 kPa on average, turning it as 9.81 kPa would: add a pressure to each "
+        "block there, such as"
+    )
+    pushed = check(wall, friction=0.6, load=typed.strip("'")).model.load.wrench
+    assert pushed[1, 2] == pytest.approx(7358.0 - 9.81 * wall.mass[1])
 
 
 def test_earth_weighs_on_a_back_that_leans_and_not_on_what_stands_before_it() -> None:

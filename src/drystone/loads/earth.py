@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import math
+import shlex
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal, Self
@@ -34,10 +36,6 @@ _GRAZED = math.tan(math.radians(80.0))
 """Slope of a face across the line of sight. Chosen: a splayed wing wall has less."""
 _WATER = 9810.0
 """[N/m3]"""
-_UPLIFT = (
-    "uplift below the wall is not counted: add it as a pressure [Pa], such as --load "
-    """'{"kind": "surface", "block": "NAME", "pressure": 5000, "facing": [0, 0, -1]}'"""
-)
 
 
 @dataclass(frozen=True)
@@ -189,9 +187,30 @@ class Earth(Options):
             f"earth presses also faces of {ends} that are seen from side {self.side} at less than "
         )
         notes: tuple[str, ...] = (f"{note}10 degrees, square to them",) if ends else ()
-        if self.water is not None and self.water > lowest:
-            notes += (_UPLIFT,)
-        if self.water is not None and self.water > (high := float(strips.t.max())):
-            notes += (f"water, a level, stands {self.water - high:.3g} m above what it presses",)
+        if self.water is not None:
+            free = strips.chosen(~assembly.fixed[strips.block])
+            foot, high = float(free.t.min()), float(strips.t.max())
+            near = SAME * float(np.abs(strips.t).max())
+            if (head := self.water - foot) > near:
+                under = free.block[free.t.min(axis=1) <= foot + near].min()
+                notes += (_uplift(foot, head, assembly.names[under]),)
+            if (over := self.water - high) > near:
+                notes += (f"water, a level, stands {over:.3g} m above what it presses",)
         wrench = strips.wrenches(assembly, traction)
         return LoadCase(wrench, name, notes, surface=surface, each=GivenLoad.of(name, wrench))
+
+
+def _uplift(foot: float, head: float, block: str) -> str:
+    """The uplift in the joint below a wall, of a head [m] that falls evenly to none, as an option.
+
+    A triangle has half its largest pressure on average, and turns the wall about its far edge as
+    two thirds of it everywhere would.
+    """
+    full = _WATER * head
+    part = {"kind": "surface", "block": block, "pressure": round(full / 2), "facing": [0, 0, -1]}
+    most, mean, turning = (quantity(one, "Pa") for one in (full, full / 2, full / 1.5))
+    return (
+        f"uplift below the wall is not counted: at {foot:.3g} m, {most} at the wet side, none at a "
+        f"drained one, {mean} on average, turning it as {turning} would: add a pressure to each "
+        f"block there, such as --load {shlex.quote(json.dumps(part))}"
+    )
