@@ -24,6 +24,11 @@ from drystone.results import Result
 from drystone.sequence import Plan
 from drystone.shells import Layout
 
+_HELD = (
+    "the force of the tie is that with the blocks around what falls held; the ties below have that "
+    "with all blocks free"
+)
+
 _WIDE = 3.0
 """Width of marked joints and of ties, relative to the usual lines; chosen by eye."""
 
@@ -195,7 +200,9 @@ class Changed(Answer):
         steps = any(step.description in one for one in self.log for step in self.changes)
         told = dict.fromkeys([*([] if steps else [self.title]), *self.log, self._still_falls])
         told.pop("", None)
-        return [Sentence(word, role), *map(Sentence, told)]
+        said = [Sentence(word, role), *map(Sentence, told)]
+        tied = any(change.kind == "tie" for change in self.changes)
+        return [*said, Sentence(_HELD, Role.REMARK)] if tied else said
 
     @property
     def _still_falls(self) -> str:

@@ -142,8 +142,9 @@ _LOADED = "; it keeps the loads: do not give them again, or leave those of it ou
 _LET_IN = "; joints that are let in, wedged or turned may need props on the way"
 
 _TIED = (
-    "a tie is told with what it bears where it is as stiff as a joint and never yields; one that "
-    "yields may bear less: give its strength, as --tie A:B:20kN, and check it"
+    "a tie is told with what it bears where it is as stiff as a joint and never yields, and the "
+    "blocks around are held: --apply has its pull with all free, too; one that yields may bear "
+    "less: give its strength, as --tie A:B:20kN, and check it"
 )
 
 _DRAIN = (

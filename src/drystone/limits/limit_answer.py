@@ -93,9 +93,24 @@ class Limit(LimitValues, Answer):
     def remarks(self) -> tuple[str, ...]:
         """Sentences about values at which the answer depends on the joints."""
         told = self._stiffness_decides()
-        if self.undecided_between is not None:
+        if between := self._between_sides():
+            told.append(between)
+        elif self.undecided_between is not None:
             told.append(f"{self._range(self.undecided_between)} it is undecided{self._because()}")
         return tuple(told)
+
+    def _between_sides(self) -> str:
+        """Why what lies between both sides of equilibrium is undecided, if that is the limit."""
+        known, low, high = self.equilibrium, self.best.stands, self.best.falls
+        if (
+            known is None
+            or low is None
+            or high is None
+            or (known.stands, known.falls) != (low, high)
+        ):
+            return ""
+        sides = f"between {self._short(low)} and {self._short(high)}"
+        return f"{sides} it is undecided: {known.undecided}" if known.undecided else ""
 
     def _because(self) -> str:
         """What the undecided values depend on, where that is known of all."""

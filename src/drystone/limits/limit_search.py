@@ -253,10 +253,21 @@ class VerdictSearch:
             falls,
             None if inside is None else self.results[inside],
             proof.falling if falls is None else self.results.get(falls, proof.falling),
+            undecided=self._unsure(inside, falls),
         )
         tried, held = self._in_order(start)
         after = 0 if inside is None else tried.index(inside) + 1
         return FoundBracket(bracket, _runs(tried, held, after), self.evaluations())
+
+    def _unsure(self, inside: float | None, falls: float | None) -> str:
+        """Why the farthest undecided value between two is that; empty where there is none."""
+        if inside is None or falls is None:
+            return ""
+        low, high = sorted((inside, falls))
+        tried = [at for at, one in self.results.items() if one.verdict is Verdict.UNDECIDED]
+        within = [at for at in tried if low < at < high]
+        farthest = max(within, key=lambda at: abs(at - inside), default=None)
+        return "" if farthest is None else self.results[farthest].message
 
     def evaluations(self) -> tuple[Evaluation, ...]:
         """Tried values, in ascending order."""

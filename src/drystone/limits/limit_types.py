@@ -72,6 +72,8 @@ class Bracket(OneLine):
         The states there; the falling one has the mechanism.
     computed
         The limit from a convex program, if there is one.
+    undecided
+        Why the value between that is farthest from the start and undecided is that; else empty.
     """
 
     stands: float | None = None
@@ -79,6 +81,7 @@ class Bracket(OneLine):
     standing: Result | None = None
     falling: Result | None = None
     computed: float | None = None
+    undecided: str = ""
 
     def agrees(self, other: Bracket) -> bool:
         """Whether both may be of one limit: they overlap, or their sides are the same."""

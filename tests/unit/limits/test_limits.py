@@ -46,7 +46,17 @@ from drystone.limits import (
 )
 from drystone.mechanics.statics import Statics
 from drystone.model import Model
-from drystone.models import arch, concave, h_model, incline, segmental_bridge, tower, wall, wedge
+from drystone.models import (
+    arch,
+    box,
+    concave,
+    h_model,
+    incline,
+    segmental_bridge,
+    tower,
+    wall,
+    wedge,
+)
 from drystone.report import assess
 from drystone.virtual import joint_sections
 from tests.oracle import touching_faces
@@ -422,6 +432,18 @@ def test_what_is_told_to_stand_stands_and_what_is_told_to_fall_falls(
     table = near.tables()[0]
     assert (table["stands_at"][0], table["gives_way_at"][0]) == told
     assert f"stands at {stands:g}, falls at {falls:g}" in repr(near)
+
+
+def test_a_limit_says_why_values_between_its_sides_are_undecided() -> None:
+    """A cube slides at 0.6 g, and a kerb 50 mm away, if it touches, holds it up to its edge."""
+    cube, kerb = box((1.0, 1.0, 1.0), name="cube"), box((1.0, 1.0, 0.2), (1.05, 0.0, 0.0), "kerb")
+    ground = box((4.0, 1.0, 1.0), (-1.0, 0.0, -1.0), "ground")
+    near = Assembly((ground, cube, kerb)).with_fixed(["ground", "kerb"])
+    options = LimitOptions(width=1.0, equilibrium_only=True)
+    found = limit_load(near, (9.81, 0.0, 0.0), friction=0.6, upper=13.0, options=options)
+    (remark,) = found.remarks
+    assert "g it is undecided: it falls as drawn, and may stand if near blocks touch" in remark
+    assert "'cube' and 'kerb' are 50 mm apart" in remark
 
 
 def test_an_unknown_value_has_no_unit_and_one_value_is_no_range() -> None:
