@@ -434,6 +434,18 @@ def test_a_wall_that_jams_by_friction_only_does_not_help_a_foot_that_crushes(
     assert not found.falls
 
 
+@pytest.mark.parametrize(("share", "stands"), [(0.99, True), (1.01, False)])
+def test_columns_that_touch_do_not_help_one_that_crushes(share: float, stands: bool) -> None:
+    """The foot carries f A, its own weight too: nothing presses the sides, so none rub there."""
+    ground = box((5.0, 3.0, 1.0), (-1.0, -1.0, -1.0), "ground")
+    columns = [box((1.0, 1.0, 2.0), (x, 0.0, 0.0), f"c{x}") for x in range(3)]
+    blocks, strength = Assembly((ground, *columns), [True, False, False, False]), 0.2e6
+    most = strength - G * blocks.mass[2]
+    found = drystone.check(blocks, friction=0.6, load=f"c1:{share * most}N", strength=strength)
+    assert found.stable == stands
+    assert not found.falls
+
+
 def test_what_a_tie_beside_the_middle_does_not_hold_has_a_verdict() -> None:
     """The loads turn it about a vertical axis: points are spread over its faces on the way."""
     ground = box((4.0, 4.0, 1.0), (-1.0, -1.0, -1.0), "ground")

@@ -145,8 +145,8 @@ def within_strength(
     them, it stands. Otherwise other forces are asked for, as crushing lets them move (it is
     ductile): none prove that it falls. Where some exist, friction may jam in them what the loads do
     not. So uniform springs must hold it too, with faces that crush as small as stress blocks leave
-    them and ties that yield. Where they do not, or friction or settling decided, what has ties that
-    yield and no face is followed by finite steps, and else it is undecided.
+    them and ties that yield. Where they do not, or friction or settling decided, what has ties is
+    followed by finite steps, and else it is undecided.
 
     Parameters
     ----------
@@ -184,16 +184,11 @@ def within_strength(
     kept = replace(
         found, model=model, force=most.force, displacement=None, residuals=most.residuals
     )
-    return _where_it_yields(found, kept, most.force, problem, clock, settlement)
+    return _where_it_yields(found, kept, problem, clock, settlement)
 
 
 def _where_it_yields(
-    found: Result,
-    kept: Result,
-    force: Floats,
-    problem: Problem,
-    clock: Clock,
-    settlement: SettlementOptions,
+    found: Result, kept: Result, problem: Problem, clock: Clock, settlement: SettlementOptions
 ) -> Result:
     """The verdict where forces within the strength exist, but not those that were found without.
 
@@ -203,31 +198,27 @@ def _where_it_yields(
         STABLE without limits of strength.
     kept
         The same, with forces within the strength.
-    force : (k, 3) [N]
-        These.
     problem, clock, settlement
         As in :func:`within_strength`.
     """
     model, ties, steps = problem.model, problem.model.contacts.ties, found.iterations
-    over = _over(found) if len(found.contacts) == len(ties) else model.contacts.crushes
-    less = _on_smaller_faces(model, over & ~ties, force[:, 0])
-    crushes = bool((over & ~ties).any())
-    why = f"without it {found.message}"
-    if not (found.sensitive and crushes):
-        state = _on_yielding_springs(less, clock)
-        steps += state.steps
-        if state.stands:
+    stone = bool((model.contacts.crushes & ~ties).any())
+    less, why = _with_stone_of_any_strength(model), f"without it {found.message}"
+    if not (found.sensitive and stone):
+        stands, taken = _held_by_yielding_springs(model, clock)
+        steps += taken
+        if stands:
             return replace(kept, message=f"{found.message}{_reached(kept)}", iterations=steps)
         why = "springs of uniform stiffness that yield were not found to hold it"
     unknown = (
         "forces within the strength of its joints balance the loads, but whether crushing brings "
         "them about is not known"
     )
-    if crushes or not (less.contacts.plain | ties).all():
+    if not less.contacts.crushes.any() or not (less.contacts.plain | ties).all():
         return replace(undone(found, f"{unknown}: {why}"), iterations=steps)
     path = settle_for_verdict(less, options=settlement, stop=clock.late)
     steps += path.iterations
-    if path.rests:
+    if path.rests and not stone:
         words = f"{path.message}; ties yield"
         return replace(kept, message=words, settlement=path, iterations=steps)
     found = replace(undone(found, f"{unknown}: {path.message}"), settlement=path, iterations=steps)
@@ -243,41 +234,46 @@ def _where_it_yields(
     )
 
 
-def _on_yielding_springs(model: Model, clock: Clock) -> Candidate:
-    """The rest state on uniform springs of which those of ties pull by their strength at most."""
-    problem = Problem.build(model.without_crushing())
-    contacts, springs = model.contacts, law.uniform(problem.statics)
-    most = (contacts.tie_strength[contacts.interface] * contacts.corner_share)[problem.corners]
-    if np.isfinite(most).any():
-        springs = replace(springs, most=most / problem.statics.force_unit)
-    return Attempt(problem, springs, clock.late).from_nothing()
+def _held_by_yielding_springs(model: Model, clock: Clock) -> tuple[bool, int]:
+    """Whether uniform springs hold it within the strength, and the steps.
 
-
-def _over(found: Result) -> Bools:
-    """Interfaces (m,) that are pressed more than their strength; all that crush without forces."""
-    if found.force is None:
-        return found.contacts.crushes
-    return normal_force_by_strength(found.contacts, found.force[:, 0])[0] > 1.0
-
-
-def _on_smaller_faces(model: Model, faces: Bools, normal: Floats) -> Model:
-    """The model with faces (m,) that crush as small as the centres of stress blocks reach.
-
-    Parameters
-    ----------
-    model
-    faces
-    normal : (k,) [N]
-        What presses within the strength.
+    Springs of ties pull by their strength at most. Faces whose stress blocks do not suffice are
+    made as small as the centres of such blocks reach, and forces are found again.
     """
+    contacts, size, steps = model.contacts, np.ones(model.contacts.count), 0
+    most = contacts.tie_strength[contacts.interface] * contacts.corner_share
+    while size.min(initial=1.0) > 0.0 and not clock.late():
+        problem = Problem.build(model.with_contacts(_on_parts(contacts, size)).without_crushing())
+        springs = law.uniform(problem.statics)
+        if np.isfinite(most).any():
+            springs = replace(springs, most=most[problem.corners] / problem.statics.force_unit)
+        state = Attempt(problem, springs, clock.late).from_nothing()
+        steps += state.steps
+        if not state.stands:
+            break
+        force = _on_whole_faces(contacts, state.force, size)
+        use = normal_force_by_strength(contacts, np.maximum(force[:, 0], 0.0))[0]
+        use[contacts.ties] = 0.0
+        if use.max(initial=0.0) <= 1.0:
+            return True, steps
+        size = _smaller(contacts, force, use, size)
+    return False, steps
+
+
+def _with_stone_of_any_strength(model: Model) -> Model:
+    """The model whose ties alone have a strength."""
     contacts, capacity = model.contacts, model.contacts.capacity
-    if capacity is None or not contacts.crushes.any():
-        return model
-    most = np.where(faces & (contacts.area > 0.0), capacity.compression, np.inf)
-    size = np.clip(1.0 - contacts.corners.sum(normal) / most, 0.0, 1.0)
+    if capacity is None or not contacts.ties.any():
+        return model.without_crushing()
     strength = np.where(contacts.ties, capacity.compression, NO_LIMIT)
-    parts = _on_parts(contacts.with_capacity(replace(capacity, compression=strength)), size)
-    return model.with_contacts(parts)
+    return model.with_capacity(replace(capacity, compression=strength))
+
+
+def _on_whole_faces(contacts: Contacts, force: Floats, size: Floats) -> Floats:
+    """Forces (k, 3) [N] at corners of whole faces that are those on shares (m,) of their size."""
+    share = size[contacts.interface, None]
+    whole = contacts.corners.spread(contacts.corners.sum(force))
+    return share * force + (1.0 - share) * contacts.corner_share[:, None] * whole
 
 
 def _on_parts(contacts: Contacts, size: Floats) -> Contacts:
@@ -392,12 +388,9 @@ def _elastic(model: Model, holds: Bools, size: Floats, clock: Clock) -> Candidat
     Its forces (k, 3) [N] are those at the corners of the whole faces.
     """
     contacts = _bonded(model, holds).without_crushing().contacts
-    share = size[contacts.interface, None]
     problem = Problem.build(model.with_contacts(_on_parts(contacts, size)))
     state = Attempt(problem, law.uniform(problem.statics), clock.late).from_nothing()
-    whole = contacts.corners.spread(contacts.corners.sum(state.force))
-    around = contacts.corner_share[:, None] * whole
-    return replace(state, force=share * state.force + (1.0 - share) * around)
+    return replace(state, force=_on_whole_faces(contacts, state.force, size))
 
 
 def _bonded(model: Model, holds: Bools) -> Model:
