@@ -573,24 +573,24 @@ def test_the_legend_has_the_colours_of_the_blocks(opened, standing):
         assert near.sum() > 300, (opacity, told)
 
 
-def test_the_model_stands_below_details_that_are_open(stands):
+def test_the_model_stands_below_details_that_are_open(opened, standing):
+    tab = opened(standing)
+
     def size(width: int, height: int) -> None:
-        stands.send(
+        tab.send(
             "Emulation.setDeviceMetricsOverride", width=width, height=height,
             deviceScaleFactor=0.5, mobile=False,
         )  # fmt: skip
-        stands.click("#fit")
-        pixels(stands)
+        tab.click("#fit")
+        pixels(tab)
 
     def colours() -> int:
         """Of the row below the words: more than that of the ground where the model lies there."""
-        low = stands.run("document.getElementById('verdict').getBoundingClientRect().bottom")
-        picture = Image.open(io.BytesIO(pixels(stands))).convert("RGB")
+        low = tab.run("document.getElementById('verdict').getBoundingClientRect().bottom")
+        picture = Image.open(io.BytesIO(pixels(tab))).convert("RGB")
         row = int(0.5 * low)
         return len(picture.crop((9, row, picture.width - 9, row + 1)).getcolors(1 << 12))
 
     size(1200, 700)
-    stands.click("#details summary")
+    tab.click("#details summary")
     assert colours() == 1
-    stands.click("#details summary")
-    size(760, 480)
