@@ -399,3 +399,17 @@ def test_what_slides_with_nothing_crushed_is_not_said_to_crush():
     found = limit_friction(segmental_bridge(5.0, 1.5), seismic=0.2, strength="5MPa").best.falling
     assert found is not None
     assert found.message == "no contact forces can balance the loads; no joint crushes"
+
+
+@pytest.mark.parametrize(("share", "stands"), [(0.98, True), (1.01, False)])
+def test_piers_under_one_cap_share_a_load_as_they_crush(share: float, stands: bool) -> None:
+    """144.41 kN at x = 2.6 m by a linear program of strips of stone, without friction.
+
+    The elastic forces reach the strength at 114 kN.
+    """
+    piers = [box((0.5, 1.0, 1.0), (x, 0.0, 0.0), f"pier {x}") for x in (0.0, 1.5, 3.0)]
+    cap = box((3.5, 1.0, 0.5), (0.0, 0.0, 1.0), "cap")
+    ground = box((6.0, 3.0, 1.0), (-1.0, -1.0, -1.0), "ground")
+    blocks = drystone.Assembly((ground, *piers, cap), [True, False, False, False, False])
+    load = f"cap:0,0,{-share * 144.41e3}@2.6,0.5,1.5"
+    assert drystone.check(blocks, friction=0.6, load=load, strength=0.2e6).stable == stands

@@ -148,7 +148,7 @@ class Result(Solution, Answer):
         words = f"strength: the {which} uses {most:g} %"
         words += f"; the first {what} {fails} at {rounded_down(1.0 / use[at]):g} times all loads"
         if self.crushing_factor is not None:
-            words += f", and it falls at {rounded_down(self.crushing_factor):g} times"
+            words += f", and no forces are left at {rounded_down(self.crushing_factor):g} times"
         return [Sentence(words)]
 
     @cached_property

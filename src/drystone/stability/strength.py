@@ -145,8 +145,9 @@ def within_strength(
     them, it stands. Otherwise other forces are asked for, as crushing lets them move (it is
     ductile): none prove that it falls. Where some exist, friction may jam in them what the loads do
     not. So uniform springs must hold it too, with faces that crush as small as stress blocks leave
-    them and ties that yield. Where they do not, or friction or settling decided, what has ties is
-    followed by finite steps, and else it is undecided.
+    them and ties that yield; or forces within the strength balance the loads without any friction
+    (Drucker 1954: then friction does not throw it over). Else what has ties is followed by finite
+    steps, and what has none is undecided.
 
     Parameters
     ----------
@@ -205,11 +206,23 @@ def _where_it_yields(
     stone = bool((model.contacts.crushes & ~ties).any())
     less, why = _with_stone_of_any_strength(model), f"without it {found.message}"
     if not (found.sensitive and stone):
-        stands, taken = _held_by_yielding_springs(model, clock)
+        force, taken = _held_by_yielding_springs(model, clock)
         steps += taken
-        if stands:
-            return replace(kept, message=f"{found.message}{_reached(kept)}", iterations=steps)
+        if force is not None:
+            words = f"{found.message}{_reached(kept)}"
+            residuals = check_forces(model, force)
+            if not stone and residuals.largest <= FORCE_TOLERANCE:
+                # what ties pull as they yield; other forces jam, and they pull less
+                kept = replace(kept, force=force, residuals=residuals)
+            return replace(kept, message=words, iterations=steps)
         why = "springs of uniform stiffness that yield were not found to hold it"
+    if stone:
+        smooth = Problem.build(model.with_friction(0.0))
+        most = carried(smooth, FrictionCone.exact(), clock.late, whether=True)
+        steps += most.iterations
+        if most.force is not None and most.residuals.largest <= FORCE_TOLERANCE:
+            kept = replace(kept, force=most.force, residuals=most.residuals)
+            return replace(kept, message=f"{found.message}{_reached(kept)}", iterations=steps)
     unknown = (
         "forces within the strength of its joints balance the loads, but whether crushing brings "
         "them about is not known"
@@ -234,8 +247,8 @@ def _where_it_yields(
     )
 
 
-def _held_by_yielding_springs(model: Model, clock: Clock) -> tuple[bool, int]:
-    """Whether uniform springs hold it within the strength, and the steps.
+def _held_by_yielding_springs(model: Model, clock: Clock) -> tuple[Floats | None, int]:
+    """Forces (k, 3) [N] of uniform springs that hold it within the strength, and the steps.
 
     Springs of ties pull by their strength at most. Faces whose stress blocks do not suffice are
     made as small as the centres of such blocks reach, and forces are found again.
@@ -255,9 +268,9 @@ def _held_by_yielding_springs(model: Model, clock: Clock) -> tuple[bool, int]:
         use = normal_force_by_strength(contacts, np.maximum(force[:, 0], 0.0))[0]
         use[contacts.ties] = 0.0
         if use.max(initial=0.0) <= 1.0:
-            return True, steps
+            return force, steps
         size = _smaller(contacts, force, use, size)
-    return False, steps
+    return None, steps
 
 
 def _with_stone_of_any_strength(model: Model) -> Model:
