@@ -109,14 +109,19 @@ class TrainEnvelope(Answer):
     def carries(self) -> tuple[str, ...]:
         """What each factor says: ``this factor``, ``any factor``, ``not found``, or ``none``.
 
-        And where a verdict is undecided under the least one of all.
+        And what the verdict says where it is less, at the worst place, or undecided under the least
+        one of all.
         """
         if self.falls_alone:
             return ("none (falls without the train)",) * len(self.places)
         told = {True: "any factor", False: "this factor"}
         each = ["not found" if np.isnan(x) else told[x == np.inf] for x in self.factors]
-        for i in self._undecided:
-            each[i] += " by equilibrium; a verdict is undecided"
+        rest = np.inf if self._rest is None else rounded_down(self._rest, 3)
+        known = dict.fromkeys(self._undecided, "a verdict is undecided")
+        if rest < rounded_down(float(self.factors[self.worst]), 3):
+            known[self.worst] = f"{rest:g} by the verdict"
+        for i, words in known.items():
+            each[i] += f" by equilibrium; {words}"
         return tuple(each)
 
     @property
@@ -223,7 +228,8 @@ class TrainEnvelope(Answer):
         among = f" of {known} of {asked} places" if known < asked else ""
         place = f"least{self._ductile}{among} at {at}"
         if self._rest is not None and self._rest < 1.0:
-            return f"Does not carry '{train}', only {rounded_down(self._rest):g} of it, {place}"
+            only = "at most" if self._undecided else "only"
+            return f"Does not carry '{train}', {only} {rounded_down(self._rest):g} of it, {place}"
         if self._rest is not None and not self._undecided and not self.stopped:
             stands = rounded_down(self._rest)
             return f"Stands under '{train}' up to load factor {stands:g}, {place}"
