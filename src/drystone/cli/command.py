@@ -75,8 +75,9 @@ class Command(click.Command):
         return _run(self.function, self.parts, dict(ctx.params))
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        """Parse options and arguments; refuse unknown ones."""
+        """Parse options and arguments; refuse unknown ones, and one value in place of another."""
         try:
+            self._refuse_twice(ctx, args)
             rest = super().parse_args(ctx, args)
         except click.UsageError as error:  # some errors do not name the command
             error.ctx = error.ctx or ctx
@@ -85,6 +86,13 @@ class Command(click.Command):
             what = f"'{ctx.args[0]}' is one argument too many"
             raise UsageFault(what, remedy=kinds.see(ctx))
         return rest
+
+    def _refuse_twice(self, ctx: click.Context, args: list[str]) -> None:
+        order = self.make_parser(ctx).parse_args(args=list(args))[2]
+        values = [one for one in order if isinstance(one, click.Option) and not one.is_flag]
+        for one in values:
+            if not one.multiple and not ctx.resilient_parsing and values.count(one) > 1:
+                raise UsageFault(f"{one.opts[-1]} is given twice", remedy="give it once")
 
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Arguments, then each group of options."""

@@ -133,6 +133,7 @@ def test_an_option_without_its_value_and_a_flag_with_one_are_told(capsys: Capsys
         (["check"], "MODEL: is missing"),
         (["limit", "thrust", "one.json"], "MODEL or BLOCK: is missing"),
         (["mcp", ".", "more"], "'more' is one argument too many"),
+        (["check", "x.json", "--seismic=1,0", "--seismic=0,1"], "--seismic is given twice; give"),
         (["check", "x.json", "--frction", "1"], "there is no option '--frction'; did you mean"),
         (["limit", "tlit"], "there is no command 'tlit'; did you mean 'tilt'"),
     ):
