@@ -73,8 +73,7 @@ def mend(given: Given, *, options: MendOptions | None = None, **how: Unpack[Long
     log: list[str] = []
     passed: dict[frozenset[str], str] = {}
     passed_at = 0
-    model = _under_train(model, chosen, clock)[0]
-    result = chosen.margin.holds(model, clock.late)
+    model, result, _ = _under_train(model, chosen, clock)
     with WorkerPool(clock.workers) as pool:
         while True:
             stands = chosen.margin.meets(result)
@@ -91,8 +90,7 @@ def mend(given: Given, *, options: MendOptions | None = None, **how: Unpack[Long
                 steps.append(kept)
                 whose = f"{kept.whose}: " if kept.whose else ""
                 log.append(f"{whose}{kept.description} (cost {kept.cost:.3g})")
-                model = _under_train(model, chosen, clock)[0]
-                result = chosen.margin.holds(model, clock.late)
+                model, result, _ = _under_train(model, chosen, clock)
             elif passed and passed_at < len(steps):  # what was mended since may hold them
                 passed, passed_at = {}, len(steps)
             else:
@@ -272,8 +270,7 @@ class Mends(Answer):
                 )
             nearest = min(again, key=wanted.far_from)
             model, kept = nearest.model, [*kept, nearest.change]
-        model = _under_train(model, chosen, clock)[0]
-        result = margin.holds(model, clock.late)
+        model, result, _ = _under_train(model, chosen, clock)
         stands = margin.meets(result)
         words = "; ".join(one.description for one in kept)
         log = () if stands else (_left(result, margin.case_of(result, model)),)
@@ -544,10 +541,9 @@ def find_mends(
     keep = kept_blocks(model, chosen.keep)
     carried = ""
     if result is None:
-        model, carried = _under_train(model, chosen, clock)
-    first = chosen.margin.holds(model, clock.late) if result is None else result
-    found, message = _fallen(first, chosen, clock)
-    case = _case(first, model, chosen)
+        model, result, carried = _under_train(model, chosen, clock)
+    found, message = _fallen(result, chosen, clock)
+    case = _case(result, model, chosen)
     message = carried if message and carried else message
     if message:
         return Mends(found, message=message, case=case)
@@ -593,25 +589,26 @@ def _numbers(positions: Sequence[int]) -> str:
     return listed([f"{i + 1}" for i in positions])
 
 
-def _under_train(model: Model, chosen: MendOptions, clock: Clock) -> tuple[Model, str]:
+def _under_train(model: Model, chosen: MendOptions, clock: Clock) -> tuple[Model, Result, str]:
     """A model under the train of the options where that is carried least, and what is said of it.
 
     Without the train where it is carried at all places, with the margin at the worst, or the model
-    falls alone.
+    falls alone. The result is that of the margin.
     """
+    holds = partial(chosen.margin.holds, stop=clock.late)
     if chosen.train is None:
-        return model, ""
+        return model, holds(model), ""
     alone = model.with_load(model.load.without(_trains(model, chosen)))
     found = limit_train(alone, train=chosen.train, steps=_PLACES, **clock.rest)
     if found.stopped or found.falls_alone or (found.carried and not chosen.margin.words):
-        return alone, found.title
+        return alone, holds(alone), found.title
+    result = holds(found.loaded)
     if not found.carried:
-        return found.loaded, found.title
-    result = chosen.margin.holds(found.loaded, clock.late)
+        return found.loaded, result, found.title
     if chosen.margin.meets(result):
-        return alone, found.title
+        return alone, holds(alone), found.title
     left = _left(result, chosen.margin.case_of(result, found.loaded))
-    return found.loaded, f"{found.title}; there, {left}"
+    return found.loaded, result, f"{found.title}; there, {left}"
 
 
 def _trains(model: Model, chosen: MendOptions) -> list[GivenLoad]:
@@ -631,12 +628,11 @@ def _crossed(chosen: MendOptions, made: Changed, clock: Clock) -> Changed:
     """A mend with what the train of the options says of it at all places."""
     if chosen.train is None:
         return made
-    model, said = _under_train(made.model, chosen, clock)
+    model, result, said = _under_train(made.model, chosen, clock)
     kept = replace(
         made.change,
         description=f"{made.change.description}; of all places: {said[0].lower()}{said[1:]}",
     )
-    result = chosen.margin.holds(model, clock.late)
     stands = made.stands and chosen.margin.meets(result)  # not where it falls alone, or is stopped
     if _trains(model, chosen):
         made, stands = replace(made, result=result), False
