@@ -293,16 +293,17 @@ def thickness_of(
     found, across = [], []
     for i, axis in zip(blocks, axes, strict=True):
         first, normal = own[i].start, faces.normals[own[i]]
-        along = np.abs(normal @ axis) > np.sqrt(0.5) * np.linalg.norm(axis)
-        order = np.argsort(-area[own[i]], kind="stable").tolist()
+        along = np.abs(normal @ axis) > (np.sqrt(0.5) + SAME) * np.linalg.norm(axis)
+        share = np.round(area[own[i]] / area[own[i]].max(), 6)  # of a prism many are the same
+        order = np.argsort(-share, kind="stable").tolist()
         free = [k for k in order if not (bound[first + k] or along[k])]
-        away = np.triu((normal @ normal.T)[np.ix_(free, free)] < -0.5)
+        away = np.triu((normal @ normal.T)[np.ix_(free, free)] < -0.5 - SAME)
         some, way = list[int](), np.zeros(3)
         if away.any():
             some = [free[k] for k in divmod(int(away.argmax()), len(free))]
             behind = float(normal[some[0]] @ faces.middles[first + some[1]])
         elif free and axis.any():
-            steep = np.round(np.abs(normal[free] @ down) / np.linalg.norm(down), 6)
+            steep = np.round(np.abs(normal[free] @ down) / (np.linalg.norm(down) or 1.0), 6)
             some = [free[int(steep.argmin())]]
             behind = float((model.assembly.blocks[i].vertices @ normal[some[0]]).min())
         if some:

@@ -169,6 +169,31 @@ def test_faces_move_and_thickness_grows_by_its_share() -> None:
     )
 
 
+def test_which_faces_move_does_not_depend_on_rounding() -> None:
+    ground = box((4.0, 4.0, 1.0), (-2.0, -2.0, -1.0), "ground")
+    # a square pier that turns about its diagonal
+    pier = Model.of(Assembly((ground, box((1.0, 1.0, 3.0)))).with_fixed([0]), friction=0.6)
+    axes = [np.array([[1.0, 1.0 + off, 0.0]]) for off in (-1e-12, 0.0, 1e-12)]
+    ends = [thicken_blocks(pier, [1], 0.5, axis).assembly.bounds[1] for axis in axes]
+    np.testing.assert_allclose(ends, [ends[0]] * 3, atol=1e-9)
+    # a hexagonal column: between opposite faces, two of which grow by half their distance together
+    for turned in (0.0, 6.0, 11.0, 17.0, 40.0):
+        angles = np.deg2rad(turned + 60.0 * np.arange(6))
+        corners = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+        column = prism(corners, (0.0, 1.0), "column")
+        behind = box((4.0, 1.0, 4.0), (-2.0, 1.0, -2.0), "behind")
+        model = Model.of(Assembly((behind, column)).with_fixed([0]), friction=0.6)
+        wide = thicken_blocks(model, [1], 0.2).assembly.blocks[1].vertices
+        across = [np.ptp(wide @ (np.cos(at), 0.0, np.sin(at))) for at in angles + np.pi / 6.0]
+        assert max(across) == pytest.approx(1.2 * np.sqrt(3.0))
+    # without weight no face is steeper than another
+    beside = box((1.0, 1.0, 3.0), (1.0, 0.0, 0.0), "beside")
+    walled = Assembly((ground, box((1.0, 1.0, 3.0)), beside)).with_fixed([0, 2])
+    still = Model.of(walled, load=LoadCase.gravity(walled, g=0.0), friction=0.6)
+    thick = thicken_blocks(still, [1], 0.5, np.array([[0.0, 1.0, 0.0]]))
+    assert thick.assembly.volume[1] == pytest.approx(4.5)
+
+
 def test_loads_that_are_no_weight_stay_where_they_act() -> None:
     assembly = tower(2)
     push = LoadCase.point_load(assembly, "block-1", (100.0, 0.0, 0.0), (0.5, 0.0, 2.0))
