@@ -421,6 +421,15 @@ def test_a_wall_that_jams_by_friction_only_does_not_help_a_tie_that_yields(
     assert (found.stable, found.falls) == (stands, not stands)
 
 
+def test_what_an_interruption_leaves_undecided_of_ties_says_so() -> None:
+    """Stopped while it is followed by finite steps, as 44 to 374 of its questions are."""
+    tie, left = "facade@2.5,0.6,4.5:ground@2.5,5.6,0:20kN", iter(range(80))
+    model = as_model(wall_before_another(), friction=0.6, seismic=(0.0, -0.21), tie=tie)
+    found = drystone.check(model, stop=lambda: next(left, None) is None)
+    assert "is not known: it was interrupted after" in found.message
+    assert found.stopped == "it was interrupted"
+
+
 @pytest.mark.parametrize(("share", "stands"), [(0.99, True), (1.01, False), (1.1, False)])
 def test_a_wall_that_jams_by_friction_only_does_not_help_a_foot_that_crushes(
     share: float, stands: bool

@@ -204,7 +204,7 @@ def _where_it_yields(
     """
     model, ties, steps = problem.model, problem.model.contacts.ties, found.iterations
     stone = bool((model.contacts.crushes & ~ties).any())
-    less, why = _with_stone_of_any_strength(model), f"without it {found.message}"
+    why = f"without it {found.message}"
     if not (found.sensitive and stone):
         force, taken = _held_by_yielding_springs(model, clock)
         steps += taken
@@ -223,27 +223,28 @@ def _where_it_yields(
         if most.force is not None and most.residuals.largest <= FORCE_TOLERANCE:
             kept = replace(kept, force=most.force, residuals=most.residuals)
             return replace(kept, message=f"{found.message}{_reached(kept)}", iterations=steps)
-    unknown = (
-        "forces within the strength of its joints balance the loads, but whether crushing brings "
-        "them about is not known"
-    )
-    if not less.contacts.crushes.any() or not (less.contacts.plain | ties).all():
-        return replace(undone(found, f"{unknown}: {why}"), iterations=steps)
-    path = settle_for_verdict(less, options=settlement, stop=clock.late)
-    steps += path.iterations
-    if path.rests and not stone:
-        words = f"{path.message}; ties yield"
-        return replace(kept, message=words, settlement=path, iterations=steps)
-    found = replace(undone(found, f"{unknown}: {path.message}"), settlement=path, iterations=steps)
-    if path.outcome is not Outcome.FALLS:
-        return found
+    less, path = _with_stone_of_any_strength(model), None
+    if less.contacts.crushes.any() and (less.contacts.plain | ties).all():
+        path = settle_for_verdict(less, options=settlement, stop=clock.late)
+        steps += path.iterations
+        if path.rests and not stone:
+            words = f"{path.message}; ties yield"
+            return replace(kept, message=words, settlement=path, iterations=steps)
+        why = path.message
+    found = replace(found, iterations=steps)
+    if path is None or path.outcome is not Outcome.FALLS:
+        words = (
+            "forces within the strength of its joints balance the loads, but whether crushing "
+            f"brings them about is not known: {why}"
+        )
+        return replace(undone(found, words), settlement=path, stopped=clock.reason)
     motion = problem.normalised(path.displacement)
     return replace(
-        found,
+        undone(found, f"ties yield, and {path.message}"),
         verdict=Verdict.UNSTABLE,
-        message=f"ties yield, and {path.message}",
         mechanism=motion,
         falling=moving_blocks(model.assembly, motion),
+        settlement=path,
     )
 
 
