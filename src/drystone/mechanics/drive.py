@@ -21,7 +21,7 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
-from drystone.base.arrays import Floats
+from drystone.base.arrays import Floats, lengths
 from drystone.mechanics.bodies import BlockPositions, Bodies, Placed
 from drystone.mechanics.follow import Bounds, Ended, Follower
 from drystone.mechanics.increments import EASY, Increment, longest_way, travelled
@@ -183,14 +183,15 @@ class Driver(Follower):
         def advance(step: float) -> Advance:
             return (*self._next(step, distance=step), None)
 
-        first = FIRST * self.bodies.overlap
-        self.way_done, settled = self._gone, self._gone()
+        self.way_done, begin = self._gone, self.pose.place
+        sways = min(self._gone(), self._limit())
 
         def spent() -> bool:
-            # a vault that settled on four hinges sways freely until one of them closes
-            return self.factor <= 0.0 and self._gone() > 2.0 * settled
+            # a vault that settled on four hinges sways freely until one of them closes, by less
+            # than it settled; what settled by more than an increment has slid
+            return self.factor <= 0.0 and float(lengths(self.pose.place - begin).max()) > sways
 
-        return self._drive(advance, first, reach, tell, spent)
+        return self._drive(advance, FIRST * self.bodies.overlap, reach, tell, spent)
 
     def shift(self, motion: Floats, reach: float, tell: Callable[[float], None]) -> Ended:
         """Supports move by a motion (n, 6), from the share 0 to the share 1 of it.
@@ -321,8 +322,7 @@ class Driver(Follower):
 
     def _gone(self) -> float:
         """Largest displacement of a centroid from the beginning."""
-        gone = np.linalg.norm(self.pose.place - self.bodies.centroid, axis=1)
-        return float(gone.max(initial=0.0))
+        return float(lengths(self.pose.place - self.bodies.centroid).max(initial=0.0))
 
     def _on_supports(self, motion: Floats, far: float) -> float:
         """Force of the blocks on the supports whose corners move by ``far``, along that motion.

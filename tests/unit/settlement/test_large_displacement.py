@@ -227,6 +227,23 @@ def test_a_vault_that_settles_on_four_hinges_is_pushed_until_one_closes_and_on()
     assert found.capacity > 0.01
 
 
+def test_a_column_ends_where_it_tips_wherever_another_block_slid_before() -> None:
+    """A block on a slope slides to a stop, 4 cm on; a column 4 cm wide tips when moved by 2 cm."""
+    turn = np.array([[1.0, 0.0, 1.0], [0.0, np.sqrt(2.0), 0.0], [-1.0, 0.0, 1.0]]) / np.sqrt(2.0)
+    slope = [
+        box((6.0, 1.0, 0.5), (-1.0, 0.0, -0.5), "plane").transformed(turn),
+        box((0.5, 1.0, 1.0), (2.0, 0.0, 0.0), "stop").transformed(turn),
+        box((1.0, 1.0, 1.0), (0.97, 0.0, 0.0), "block").transformed(turn),
+    ]
+    column = box((0.04, 0.04, 1.6), (11.0, 1.0, 0.0), "column")
+    ground = box((2.0, 2.0, 1.0), (10.0, 0.0, -1.0), "ground")
+    blocks = Assembly((*slope, column, ground)).with_fixed(["plane", "stop", "ground"])
+    found = push(blocks, friction=0.6)
+    share = blocks.mass[3] / blocks.mass[[2, 3]].sum()  # of the mean displacement
+    assert found.load[-2] > 0.0 >= found.load[-1]
+    assert found.capacity == pytest.approx(0.02 * share, rel=0.01)
+
+
 def test_friction_decays_to_the_slope() -> None:
     # a block on a slope slides where the friction is the slope
     load = LoadCase.tilt(stack(1), (0.0, 1.0, 0.0), 15.0)
