@@ -50,7 +50,11 @@ def draw(page: str, command: str, target: Path) -> None:
                 if code:
                     exec(compile(code, page, "exec"), {})
                 else:
-                    answer([*shlex.split(line), *(more if wanted else [])])
+                    words = shlex.split(line)
+                    if wanted and "--png" in words:  # the page names its own
+                        at = words.index("--png")
+                        del words[at : at + 2]
+                    answer([*words, *(more if wanted else [])])
             if wanted:
                 sentences = json.loads(said.getvalue())["sentences"]
                 about.add_text("told", "\n".join(sentences[:4]))
