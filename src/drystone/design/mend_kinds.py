@@ -234,8 +234,9 @@ def _thicker(asked: KnownNeeds) -> Proposals:
     members = [part for one in np.split(order, ends) for part in _in_two_lines(np.sort(one), way)]
     for one in (*members, *_in_line(members, way)) if 1 < len(members) <= SMALL_REGION else ():
         yield tries(partial(region, one))
-        below = _below(bench, [own[k] for k in one])
-        if below and (np.abs(way[one] @ way[one[0]]) > PARALLEL).all():
+        line = (np.abs(way[one] @ way[one[0]]) > PARALLEL).all()
+        below = _below(bench, [own[k] for k in one], axes[one[0]]) if line else ()
+        if below:
             yield tries(partial(_with_names, below, axes[one[0]]))
     failed = len(bench.tried)
     yield tries(partial(region, np.arange(len(own))))
@@ -243,18 +244,20 @@ def _thicker(asked: KnownNeeds) -> Proposals:
         yield tries(partial(_all_thicker, own, axes))
 
 
-def _below(bench: Bench, own: list[int]) -> tuple[str, ...]:
+def _below(bench: Bench, own: list[int], axis: Floats) -> tuple[str, ...]:
     """Names of blocks of the local model and of all on which they lie, down to supports.
 
-    None where these are of the region too, or may not be changed.
+    Down to what has no free faces across the axis, too. None where these are of the region too, or
+    may not be changed.
     """
     model, names = bench.model, bench.model.assembly.names
     some = [bench.region[i] for i in own]
-    more = set(some)
+    more, ends = some, np.flatnonzero(model.assembly.fixed).tolist()
     while more:
-        more = {other for _, _, other, _ in _seats(model, some)} - set(some)
-        more -= set(np.flatnonzero(model.assembly.fixed).tolist())
-        some += sorted(more)
+        below = sorted({other for _, _, other, _ in _seats(model, some)} - {*some, *ends})
+        faces, _ = thickness_of(model, below, np.tile(axis, (len(below), 1)))
+        more = [i for i, moved in zip(below, faces, strict=True) if moved]
+        some += more
     new = set(some[len(own) :])
     return () if not new or new & {*bench.region, *bench.keep} else tuple(names[i] for i in some)
 

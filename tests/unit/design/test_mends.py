@@ -727,6 +727,27 @@ def test_a_pier_and_its_abutment_get_thicker_together_away_from_the_arch_that_pu
     assert ", on one free face, along x; free mass" in told  # none overhangs another
 
 
+def test_a_pier_gets_thicker_with_its_foot_and_not_with_the_course_below() -> None:
+    """It tips away from a stub that leaves it one free face; the stone of the course has none."""
+    ditch = [(-0.5, -1.2), (1.1, -1.2), (1.1, -0.5), (0.8, -0.5), (0.8, -1.0), (-0.2, -1.0),
+             (-0.2, -0.5), (-0.5, -0.5)]  # fmt: skip
+    parts = (
+        prism(ditch, (0.0, 1.0), "ditch"),
+        box((0.2, 1.0, 0.4), (0.3, 0.0, 0.0), "stub"),
+        box((1.0, 1.0, 0.5), (-0.2, 0.0, -1.0), "stone"),
+        box((1.0, 1.0, 0.5), (-0.2, 0.0, -0.5), "foot"), box((0.3, 1.0, 2.0), name="pier"),
+        box((0.6, 1.0, 0.3), (-0.15, 0.0, 2.0), "cap"),
+    )  # fmt: skip
+    assembly = Assembly(parts).with_fixed([0, 1])
+    tilted = LoadCase.tilt(assembly, (0.0, -1.0, 0.0), 8.0)
+    model = Model.of(assembly, friction=0.3, load=tilted)
+    options = MendOptions(kinds=("thicker",), margin=DesignMargin(robust=False))
+    found = find_mends(model, options=options)
+    told = [one.change.description.partition(" thicker")[0] for one in found.mends]
+    assert told == ["'pier'", "'pier' and 'foot'", "'pier' and 'cap'"]
+    assert "stone" not in " ".join(found.failures())
+
+
 def test_a_pier_gets_thicker_alone_and_a_cap_that_is_kept_does_not() -> None:
     """A pier and its cap tip about its foot: half its width is less than their height leans."""
     parts = (

@@ -177,7 +177,7 @@ def test_which_faces_move_does_not_depend_on_rounding() -> None:
     ends = [thicken_blocks(pier, [1], 0.5, axis).assembly.bounds[1] for axis in axes]
     np.testing.assert_allclose(ends, [ends[0]] * 3, atol=1e-9)
     # a hexagonal column: between opposite faces, two of which grow by half their distance together
-    for turned in (0.0, 6.0, 11.0, 17.0, 40.0):
+    for turned in (0.0, 11.0, 40.0):
         angles = np.deg2rad(turned + 60.0 * np.arange(6))
         corners = np.stack([np.cos(angles), np.sin(angles)], axis=1)
         column = prism(corners, (0.0, 1.0), "column")
