@@ -29,7 +29,7 @@ from drystone.design.words import NOTHING, listed, names_of
 from drystone.io.opening import Given, LongHow, as_model
 from drystone.limits.bounds import with_margins
 from drystone.limits.train_limit import limit_train
-from drystone.loads import Train
+from drystone.loads import STANDARD_GRAVITY, Train
 from drystone.loads.placing import GivenLoad
 from drystone.model import Model
 from drystone.results import Result
@@ -127,9 +127,6 @@ def _left(result: Result, case: str) -> str:
     return f"{case}, {said}" if case else said
 
 
-_PLACES = 20
-"""Places of a train before and after a mend; chosen, as in the tutorial of a bridge."""
-
 _BUILT = (
     "each was checked when it is complete; whether it can be built block by block was not tried: "
     "--apply 1 --out mended.json makes mend 1, then drystone plan mended.json"
@@ -144,6 +141,13 @@ _TIED = (
     "blocks around are held: --apply has its pull with all free, too; one that yields may bear "
     "less: give its strength, as --tie A:B:20kN, and check it"
 )
+
+_ORDER = (
+    "listed by cost; behind are those that jam, last those that stand only after settling or do "
+    "not carry the train at all places"
+)
+
+_ONE_WAY = "the earthquake acts one way: ask for the other, --seismic {:g},{:g} in its place, too"
 
 _DRAIN = (
     "a drain was not tried: a load with its water lower, or left out, and drystone check say "
@@ -184,12 +188,15 @@ class MendOptions(Options):
         That has to cross the model, with the fill of its load: it is mended under the train where
         that is carried least, and each mend is then asked of all places, and of a margin at the
         worst.
+    steps
+        Places of the train, before and after each mend.
     """
 
     margin: DesignMargin = field(default_factory=DesignMargin)
     kinds: tuple[str, ...] = KINDS
     keep: tuple[int | str, ...] = ()
     train: Train | None = None
+    steps: int = 20
 
     def __post_init__(self) -> None:
         for name in ("kinds", "keep"):
@@ -199,6 +206,8 @@ class MendOptions(Options):
         refuse_other_kinds(self.kinds, KINDS, "mend")
         if not self.kinds:
             raise InputError("no kind of mend is allowed", remedy="leave kinds out for all")
+        if self.train is None and self.steps != MendOptions.steps:
+            raise InputError("are places of a train", where="steps", remedy="give a train too")
 
 
 @dataclass(frozen=True, eq=False)
@@ -340,6 +349,12 @@ class Mends(Answer):
         built = [Sentence(told, Role.REMARK)] if self.mends else []
         if not self.message and any(_WET in one.words for one in load.each):
             built.append(Sentence(_DRAIN, Role.REMARK))
+        costs = [[_cost(self.mends[i]) for i in own] for own in self._parts().values()]
+        if any(own != sorted(own) for own in costs):
+            built.append(Sentence(_ORDER, Role.REMARK))
+        if load.shake.any():
+            other = 0.0 - load.shake[:2] / STANDARD_GRAVITY
+            built.append(Sentence(_ONE_WAY.format(*other), Role.REMARK))
         tied = any(one.change.kind == "tie" for one in self.mends)
         built += [Sentence(_TIED, Role.REMARK)] * tied
         said = [verdict, Sentence(self.message), *mends, *built, *failed, *reasons]
@@ -599,7 +614,7 @@ def _under_train(model: Model, chosen: MendOptions, clock: Clock) -> tuple[Model
     if chosen.train is None:
         return model, holds(model), ""
     alone = model.with_load(model.load.without(_trains(model, chosen)))
-    found = limit_train(alone, train=chosen.train, steps=_PLACES, **clock.rest)
+    found = limit_train(alone, train=chosen.train, steps=chosen.steps, **clock.rest)
     if found.stopped or found.falls_alone or (found.carried and not chosen.margin.words):
         return alone, holds(alone), found.title
     result = holds(found.loaded)

@@ -26,6 +26,11 @@ from drystone.programs.rbe import BALANCE_TOLERANCE
 from drystone.results import Result
 from drystone.solvers.program import ConicStatus
 
+_BALANCED = (
+    "'{0}' is free, or the only support: what the others exert on it balances the loads, whatever "
+    "the forces; fix the block that bears one side, as a wall below an arch, beside the ground"
+)
+
 
 @dataclass(frozen=True, eq=False)
 class ThrustBounds(Answer):
@@ -68,6 +73,9 @@ class ThrustBounds(Answer):
         other = ", negative the other way" if self.least < 0.0 else ""
         other += " (as at the far end of an arch, or where earth pushes more)" if other else ""
         said.append(Sentence(f"measured along ({along}){other}; forces by equilibrium alone"))
+        fixed, which = self.model.assembly.fixed, self.model.assembly.index(self.block)
+        if not np.isnan(self.least) and (not fixed[which] or fixed.sum() == 1):
+            said.append(Sentence(_BALANCED.format(self.block), Role.REMARK))
         if np.isinf(self.most):
             said.append(Sentence("blocks wedged between supports can be pressed without limit"))
         return said

@@ -320,6 +320,7 @@ def test_a_facade_that_a_roof_pushes_is_tied_back_at_its_top(
     assert any(
         "where it is as stiff as a joint and never yields" in x.text for x in mends.sentences()
     )
+    assert any("ask for the other, --seismic 0,0.01 in" in x.text for x in mends.sentences())
     held = "with the blocks around what falls held; the ties below have that with all blocks free"
     assert any(held in x.text for x in found.sentences())
     least = 24e3 - 0.24 * 9.81 * float(blocks.mass[1])
@@ -362,7 +363,14 @@ def test_a_mend_under_a_train_is_asked_of_all_its_places() -> None:
     assert "of all places: stands under 'axle' up to load factor 1.0" in ring.change.description
     assert not prop.stands
     assert "of all places: does not carry 'axle', only 0.8" in prop.change.description
+    backwards = replace(found, mends=(prop, ring))
+    for one, told in ((found, False), (backwards, True)):
+        assert any(x.text.startswith("listed by cost; behind") for x in one.sentences()) is told
     assert not found.together([2], options=options).stands
+    fewer = find_mends(model, options=replace(options, steps=1), regions=0)
+    assert fewer.case != found.case
+    with pytest.raises(InputError, match="places of a train; give a train too"):
+        MendOptions(steps=5)
 
 
 def test_a_train_that_is_carried_is_asked_at_the_margin_and_a_stopped_one_is_not_carried() -> None:

@@ -260,6 +260,7 @@ def test_thrust_bounds_contain_every_equilibrium_and_are_met_by_their_states() -
     left = thrust_bounds(Model(assembly, joints), "springer-left", "x")
     assert left.most == pytest.approx(-bounds.least, rel=1e-4)
     assert "(1, 0, 0), negative the other way (as at the far end" in left.sentences()[1].text
+    assert not any("only support" in one.text for one in left.sentences())
     thrust = [float(each.resultants.force[foot][0, 0]) for each in (result, bounds.least_state)]
     assert bounds.least - 1e-3 <= thrust[0] <= bounds.most + 1e-3
     assert thrust[1] == pytest.approx(bounds.least, rel=1e-6)
@@ -270,6 +271,7 @@ def test_no_thrust_is_told_as_none_and_not_as_rounding() -> None:
     for block in (0, 1):
         bounds = thrust_bounds(model, block, "x")
         assert (bounds.least, bounds.most) == (0.0, 0.0)
+        assert "is free, or the only support" in bounds.sentences()[2].text
 
 
 def test_prestress_has_no_largest_thrust_and_a_falling_block_no_thrust_at_all() -> None:
