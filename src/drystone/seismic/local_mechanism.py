@@ -245,14 +245,14 @@ class LocalMechanism(Answer):
         return "tie" + (f", yields at {quantity(float(most), 'N')}" if most else "")
 
     def _earthquake(self) -> tuple[Layer, ...]:
-        """The force of the earthquake on what moves, as one arrow that ends in its middle."""
+        """The force of the earthquake on each mass that moves, as an arrow that ends in it."""
         alpha = self.oscillator.multiplier
-        place, weight, *_ = masses_of(self.model, np.flatnonzero(self._moving))
+        place, weight, block, _ = masses_of(self.model, np.flatnonzero(self._moving))
         along = np.array(self.options.direction.split(","), dtype=float)
-        force, middle = alpha * weight.sum() * along, weight @ place / weight.sum()
         return (
             Layer("acceleration", f"earthquake, {alpha:.4g} g", LayerKind.ARROWS, "load",
-                  middle[None], force[None], single=True, width=4.0, group="acceleration"),
+                  place, np.outer(alpha * weight, along), block=block, single=True, width=2.4,
+                  group="acceleration"),
         )  # fmt: skip
 
     def _hinges(self) -> tuple[Layer, ...]:

@@ -72,6 +72,11 @@ def test_the_mechanism_that_is_found_is_that_wall_and_is_followed_until_it_overt
     assert found.oscillator.displacement == pytest.approx(reach, rel=0.02)
     assert "followed" in found.how
     assert found.table()["acceleration"].max() == pytest.approx(found.acceleration, rel=0.01)
+    (shaken,) = (x for x in by_line.layers().stages[0].layers if x.key == "acceleration")
+    blocks = by_line.model.assembly
+    assert shaken.position == pytest.approx(blocks.centroid[blocks.free])  # on stone
+    whole = by_line.oscillator.multiplier * by_line.oscillator.weight
+    assert shaken.vector.sum(axis=0)[0] == pytest.approx(whole)
 
 
 def test_what_slides_goes_as_far_as_what_pushes_it_and_is_not_lifted() -> None:
