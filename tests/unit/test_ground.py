@@ -38,6 +38,7 @@ def test_fill_weighs_what_lies_between_the_road_and_the_ring() -> None:
     under = half * np.sqrt(radius**2 - half**2) + 15.0 * radius**2 * np.sin(each)
     area = 2.0 * half * (road - centre) - under
     assert force == pytest.approx([0.0, 0.0, -2e4 * area], rel=1e-6, abs=1e-6)
+    assert not fill.on(bridge).each  # it does not press: no rows of rounding
 
 
 def test_fill_presses_both_haunches_inwards_and_its_sum_is_that_of_the_vertical_plane() -> None:

@@ -100,19 +100,23 @@ class DesignMargin(Options):
         It must stand tilted by this angle to each of four sides.
     load : >= 1, < inf
         It must stand under its weight and this multiple of what else loads it; of its weight, where
-        nothing else does.
+        nothing else does. ``variable`` says of which loads alone.
     friction : > 0, <= 1
         It must stand with this share of the friction of each joint.
     robust
         It must stand for all contact stiffnesses of the check. Without this, STABLE is enough,
         also after settling. A mend that holds only after settling is told too, at a higher
         cost, where no value of it stands for all.
+    variable
+        How the words of those loads begin that ``load`` multiplies, such as those of a train;
+        earth and fill beside them are as they are. Empty: all beside the weight.
     """
 
     tilt: float = 0.0
     load: float = 1.0
     friction: float = 1.0
     robust: bool = True
+    variable: str = ""
 
     @classmethod
     def of_words(cls, words: Sequence[str]) -> DesignMargin:
@@ -199,6 +203,13 @@ class DesignMargin(Options):
         Weight times a factor moves no dry block, so it is not multiplied with what else acts.
         """
         load, free = model.load, model.assembly.free
+        if self.variable:
+            some = [one for one in load.each if one.words.startswith(self.variable)]
+            rest = load.without(some)
+            each = (*rest.each, *(one.by(self.load) for one in some))
+            added = [self.load * one.on(len(load.wrench))["wrench"] for one in some]
+            words = " and ".join(one.words for one in some)
+            return words, replace(load, wrench=sum(added, rest.wrench), each=each)
         own = wrench_of_masses(model.assembly, load.acceleration - load.shake)
         beside = load.wrench - own - load.weight_of_masses.wrench
         rounding = ROUNDING * np.abs(load.wrench[free]).max(initial=0.0)
@@ -216,7 +227,7 @@ class DesignMargin(Options):
 
     def remarks(self, model: Model) -> list[str]:
         """What a margin of load multiplies that helps, or that nothing is there to multiply."""
-        if self.load == 1.0:
+        if self.load == 1.0 or self.variable:
             return []
         words, more = self._loaded(model)
         if words == "its weight":

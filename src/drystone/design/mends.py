@@ -187,7 +187,7 @@ class MendOptions(Options):
     train
         That has to cross the model, with the fill of its load: it is mended under the train where
         that is carried least, and each mend is then asked of all places, and of a margin at the
-        worst.
+        worst, whose ``load`` multiplies the train alone.
     steps
         Places of the train, before and after each mend.
     """
@@ -208,6 +208,9 @@ class MendOptions(Options):
             raise InputError("no kind of mend is allowed", remedy="leave kinds out for all")
         if self.train is None and self.steps != MendOptions.steps:
             raise InputError("are places of a train", where="steps", remedy="give a train too")
+        if self.train is not None:
+            alone = replace(self.margin, variable=f"{self.train.name} at ")
+            object.__setattr__(self, "margin", alone)
 
 
 @dataclass(frozen=True, eq=False)
@@ -628,8 +631,7 @@ def _under_train(model: Model, chosen: MendOptions, clock: Clock) -> tuple[Model
 
 def _trains(model: Model, chosen: MendOptions) -> list[GivenLoad]:
     """The train of the options among the loads of a model."""
-    train = chosen.train
-    at = None if train is None else f"{train.name} at "
+    at = chosen.margin.variable
     return [one for one in model.load.each if at and one.words.startswith(at)]
 
 
@@ -734,6 +736,6 @@ def kept_blocks(model: Model, keep: int | str | Sequence[int | str]) -> frozense
 
 def stands_already(margin: DesignMargin) -> str:
     """What is said of a structure that needs no change."""
-    if margin == DesignMargin():
+    if not margin.words:
         return "it stands already: ask for a margin to make it stand more firmly"
     return "it stands already, at the margin that is asked for"

@@ -119,7 +119,7 @@ class TrainEnvelope(Answer):
         rest = np.inf if self._rest is None else rounded_down(self._rest, 3)
         known = dict.fromkeys(self._undecided, "a verdict is undecided")
         if rest < rounded_down(float(self.factors[self.worst]), 3):
-            known[self.worst] = f"{rest:g} by the verdict"
+            known[self.worst] = f"{rounded_down(self._rest or 0.0):g} by the verdict"
         for i, words in known.items():
             each[i] += f" by equilibrium; {words}"
         return tuple(each)
@@ -372,6 +372,9 @@ class TrainEnvelope(Answer):
         told = "places are x of the middle of the train; the bridge lies from "
         wide = "; an axle acts evenly over its width: a wheel alone may be worse, and is not tried"
         ends = f"{told}{low:.3g} to {high:.3g} m"
+        if len(self.train.ways) > 1:
+            given = self._placed[self.worst].at.train == self.train
+            ends += f"; of both ways the train is worst {'as given' if given else 'turned round'}"
         return Sentence(ends + (wide if self.train.across else ""), Role.REMARK)
 
     @property

@@ -230,7 +230,7 @@ class Tops:
             surface=SurfaceLoad.of_all([one for one in fields if len(one.block)]),
             fills=(fill,),
             masses=(self.mass,),
-            each=GivenLoad.of("pressure of fill", wrench - self.mass.wrench),
+            each=GivenLoad.of("pressure of fill", self.pressed(0.0, fill.k)),
         )
 
     @property

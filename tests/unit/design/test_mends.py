@@ -381,7 +381,12 @@ def test_a_train_that_is_carried_is_asked_at_the_margin_and_a_stopped_one_is_not
     half, more = (Train("axle", (0.0,), (share * tips,)) for share in (0.5, 1.2))
     options = MendOptions(kinds=("ballast",), train=half, margin=DesignMargin(load=2.1))
     found = find_mends(model, options=options, regions=0)
-    assert found.case.endswith("under 2.1 times what loads it beside its weight")
+    multiplied = "under axle at x = -0.2 m, under 2.1 times axle at x = -0.2 m"
+    assert found.case == multiplied
+    push = (0.0, 0.0, -tips / 2.5), (0.5, 0.5, 1.3)  # doubles what holds the slab, if not times 2.1
+    held = model.with_load(model.load + LoadCase.point_load(model.assembly, "slab", *push))
+    whole = replace(options, train=Train("axle", (0.0,), (tips,)))
+    assert find_mends(held, options=whole, regions=0).case == multiplied
     (mend,) = find_mends(
         model, options=MendOptions(kinds=("ballast",), train=more),
         progress=lambda _, done, __: places.append(done), stop=lambda: places.count(2) > 1,

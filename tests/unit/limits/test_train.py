@@ -170,6 +170,10 @@ def test_a_train_with_a_heavy_end_is_moved_both_ways(bridge: Model) -> None:
     other = limit_train(bridge, train=cart.turned, fill=FILL, steps=4, options=quick)
     assert found.factors == pytest.approx(other.factors)
     assert found.factors == pytest.approx(found.factors[::-1], rel=1e-6)
+    for one in (found, other):
+        way = "as given" if tuple(one.axles()["load"]) == one.train.loads else "turned round"
+        told = " ".join(sentence.text for sentence in one.sentences())
+        assert f"of both ways the train is worst {way}" in told
 
 
 def test_strong_stone_carries_what_stone_that_never_crushes_does(bridge: Model) -> None:
