@@ -273,10 +273,11 @@ class AnalysisCommand(Command):
     """
 
     def __init__(self, name: str, offered: Offered | tuple[str, str]) -> None:
-        last, short = name.rpartition(" ")[2], offered[1] if isinstance(offered, tuple) else None
+        short = offered[1] if isinstance(offered, tuple) else offered.text.partition("\n")[0]
         super().__init__(
-            last, short_help=short, context_settings={**SETTINGS, "allow_extra_args": True}
-        )
+            name.rpartition(" ")[2], short_help=short.rstrip("."),
+            context_settings={**SETTINGS, "allow_extra_args": True},
+        )  # fmt: skip
         del self.help
         self.words, self.place = name, offered
         self.function = self._answer

@@ -150,3 +150,10 @@ def test_the_help_of_a_command_shows_about_a_dozen_options(path: str, one: click
     shown = [line.split()[0] for line in text.splitlines() if line.startswith("  --")]
     assert len([name for name in shown if not name.startswith("--help")]) <= 13
     assert text.count(f"\n  drystone {path}") >= 2, "two examples"
+
+
+def test_the_list_of_limits_tells_each_in_full(capsys: Capsys) -> None:
+    assert main(["limit", "--help"]) == 0
+    out = " ".join(capsys.readouterr().out.split())
+    assert "..." not in out.partition("Commands:")[2]
+    assert "that the others exert on a block along a direction tilt The largest" in out
