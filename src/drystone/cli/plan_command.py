@@ -138,7 +138,11 @@ def scaffold(
         verdict = f"{first['support']} in the order '{first['order']}' takes least"
     told = [Sentence(verdict, Role.BAD if first is None else Role.GOOD)]
     told.extend(_failing(table, first, chosen.scaffold_options.limit))
-    compared = Table("compared", dict(table.columns), dict(table.units))
+    said = {*table["message"].tolist()}
+    alike = len(said) == 1  # told once; and orders with equal plans share a line
+    told += [Sentence(one, Role.REMARK) for one in said if alike and one]
+    columns = {"order": table["order"], **table.columns}
+    compared = Table("compared", columns, table.units, hidden=("message",) * alike)
     return Told(
         Statement(tuple(told), (compared,)),
         subject=subject.name,
