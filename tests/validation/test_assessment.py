@@ -70,6 +70,9 @@ def corner(alpha: float, _: Path) -> bool:
     return pushed(pier, alpha * math.sqrt(0.5), alpha * math.sqrt(0.5))
 
 
+OLD = 'edition = "2009"'
+
+
 def returned(along: float) -> Stands:
     """A facade with a return wall, 1.2 m long, on ground A with q = 2."""
 
@@ -82,7 +85,7 @@ def returned(along: float) -> Stands:
     return fulfilled
 
 
-def _site(folder: Path, ground: float, more: str = "q = 2") -> Path:
+def _site(folder: Path, ground: float, more: str = OLD) -> Path:
     path = folder / "site.toml"
     path.write_text(f'code = "ec8"\nag = "{ground!r}g"\nsoil = "A"\n{more}', encoding="utf-8")
     return path
@@ -154,7 +157,7 @@ ROWS: dict[str, tuple[float, Stands]] = {
     "square pier about its corner": (math.sqrt(0.5) / 2.0, corner),
     "facade and return wall, L": (2.0 * RETURN, returned(0.0)),
     "facade and return wall, T": (2.0 * RETURN, returned(1.8)),
-    "wall, displacement": (displacement_capacity(0.4, 2.0, 1.0, 1.0), displaced("q = 2")),
+    "wall, displacement": (displacement_capacity(0.4, 2.0, 1.0, 1.0), displaced(OLD)),
     "wall, displacement, 2019": (
         displacement_capacity(1.0, 1.68, 1.35, math.sqrt(10.0 / 13.0)),
         displaced('edition = "2019"'),

@@ -105,7 +105,7 @@ class LocalMechanism(Answer):
 
     @property
     def state(self) -> LimitState:
-        """The limit state of the site; without one SLV of Circolare 617/2009."""
+        """The limit state of the site; without one SLV of Circolare 7/2019."""
         return LimitState.named() if self.site is None else self.site.state
 
     @property

@@ -116,7 +116,7 @@ class LimitState(OneLine):
     damping: float
 
     @classmethod
-    def named(cls, edition: str = "2009", name: str = "SLV") -> LimitState:
+    def named(cls, edition: str = "2019", name: str = "SLV") -> LimitState:
         """From the data of an edition."""
         row = _known(
             _known(standard("seismic/standards/kinematic")["states"], edition, "edition"),
@@ -145,7 +145,7 @@ class SeismicDemand(OneLine):
     participation
         Gamma, the modal participation.
     state
-        What is verified; by Circolare 617/2009 at SLV when left out.
+        What is verified; by Circolare 7/2019 at SLV when left out.
     building_damping : [%]
         By which Circolare 7/2019 takes the acceleration of a storey.
     given
@@ -169,8 +169,8 @@ class SeismicDemand(OneLine):
         ``code`` (``ec8`` or ``ntc``), ``ag`` with its unit (``"0.15g"``), ``soil`` (A to E), ``q``,
         ``confidence`` (a number, or LC1 to LC3); ``type`` (ec8); ``F0``, ``TC_star`` [s] and
         ``topography`` (ntc); ``T1`` [s], ``psi`` and ``gamma`` of a part above the ground;
-        ``edition`` of the Circolare (``"2009"``, or ``"2019"`` with ``damping`` [%] of the
-        building) and ``state`` (SLV; SLD; SLC of 2019), to which ``ag`` belongs.
+        ``edition`` of the Circolare (``"2019"`` with ``damping`` [%] of the building, or
+        ``"2009"``) and ``state`` (SLV; SLD; SLC of 2019), to which ``ag`` belongs.
 
         Raises
         ------
@@ -189,7 +189,7 @@ class SeismicDemand(OneLine):
         given = [one for one in above if top.has(one)]
         if given and len(given) < len(above):
             raise top.error(f"has {given[0]}, not all of {', '.join(above)}", "give all three")
-        edition = top.get("edition", "2009").text()
+        edition = top.get("edition", "2019").text()
         with top.blamed():
             state = LimitState.named(edition, top.get("state", "SLV").text())
         behaviour = _behaviour(top, state)

@@ -43,8 +43,7 @@ def test_a_wall_of_courses_turns_about_its_edge_with_the_numbers_of_the_method()
     assert found.acceleration == pytest.approx(G * 0.5 / 3.0 / share)
     assert one.displacement == pytest.approx(0.25 / share)  # the centroid stands over the edge
     assert found.ultimate == pytest.approx(0.4 * 0.25 / share)
-    there = 0.4 * found.ultimate
-    period = 2.0 * math.pi * math.sqrt(there / (found.acceleration * (1.0 - 0.16)))
+    period = 1.68 * math.pi * math.sqrt(found.ultimate / (found.acceleration * (1.0 - 0.4)))
     assert found.secant_period == pytest.approx(period)
 
 
@@ -325,6 +324,9 @@ def verified(folder: Path, ag: float, *more: str) -> LocalMechanism:
     return local_mechanism(courses(1, 0.5, 3.0), part="wall-0", site=SeismicDemand.named(path))
 
 
+OLD = 'edition = "2009"'
+
+
 def test_the_site_is_told_as_its_file_says_it(tmp_path: Path) -> None:
     lines = ('code = "ntc"', 'ag = "0.2g"', 'soil = "B"', "F0 = 2.4", "TC_star = 0.33")
     demand = SeismicDemand.named(site(tmp_path, *lines))
@@ -332,7 +334,7 @@ def test_the_site_is_told_as_its_file_says_it(tmp_path: Path) -> None:
     said = dict(zip(told["of"], told["value"], strict=True))
     assert (said["code"], said["soil"], said["TC_star"]) == ("ntc", "B", "0.33")
     assert (said["site file"], len(said["SHA-256 begins"])) == ("site.toml", 32)
-    assert said["limit state"] == "SLV, Circolare of 2009, as no edition is given"
+    assert said["limit state"] == "SLV, Circolare of 2019, as no edition is given"
 
 
 @pytest.mark.parametrize(
@@ -353,22 +355,22 @@ def test_a_part_above_the_ground_asks_for_the_demand_of_its_storey(tmp_path, par
 def test_the_linear_verification_compares_a0_with_ag_s_by_q(tmp_path: Path) -> None:
     """Alpha0 g = g/6 against ag/2: the threshold is ag = g/3, and g/3/1.35 with a factor FC."""
     for more, limit in (((), 1.0 / 3.0), (("confidence = 1.35",), 1.0 / 3.0 / 1.35)):
-        assert verified(tmp_path, 0.999 * limit, *more).fulfils("linear")
-        assert not verified(tmp_path, 1.001 * limit, *more).fulfils("linear")
+        assert verified(tmp_path, 0.999 * limit, OLD, *more).fulfils("linear")
+        assert not verified(tmp_path, 1.001 * limit, OLD, *more).fulfils("linear")
 
 
 def test_the_nonlinear_verification_compares_displacements(tmp_path: Path) -> None:
     """D0* = 0.25 m: du* = 0.1 m, ds* = 0.04 m, as* = 0.84 g/6; Ts = 1.07 s is between TC and TD."""
-    found = verified(tmp_path, 0.3)
+    found = verified(tmp_path, 0.3, OLD)
     level = 0.84 * G / 6.0
     period = 2.0 * math.pi * math.sqrt(0.04 / level)
     asked = 0.3 * G * 2.5 * 0.4 / period * (period / 2.0 / math.pi) ** 2
     (row,) = [one for one in found.verifications if one[0] == "non-linear"]
     assert row[2:4] == pytest.approx((asked, 0.1))
     limit = 0.3 * 0.1 / asked
-    assert verified(tmp_path, 0.999 * limit).fulfils("non-linear")
-    assert not verified(tmp_path, 1.001 * limit).fulfils("non-linear")
-    above = verified(tmp_path, 0.3, "T1 = 0.3", "psi = 0.8", "gamma = 1.2")
+    assert verified(tmp_path, 0.999 * limit, OLD).fulfils("non-linear")
+    assert not verified(tmp_path, 1.001 * limit, OLD).fulfils("non-linear")
+    above = verified(tmp_path, 0.3, OLD, "T1 = 0.3", "psi = 0.8", "gamma = 1.2")
     asked = [one[2] for one in above.verifications]
     assert asked[1] == pytest.approx(0.3 * G * 2.5 * 0.8 * 1.2 / 2.0)
     ratio = period / 0.3
@@ -395,7 +397,8 @@ def test_the_edition_of_2019_takes_the_displacement_at_the_ultimate_state(tmp_pa
         assert drawn.label == f"elastic spectrum, {damping:g} %"
         assert max(drawn.y) == pytest.approx(0.3 * G * eta * 2.5)
     assert {one[0] for one in found.verifications} == {"non-linear"}  # SLC has no q
-    assert verified(tmp_path, 0.1, 'edition = "2019"').confidence == 1.35
+    new = verified(tmp_path, 0.1)  # the edition in force is that where none is given
+    assert (new.confidence, new.state.edition) == (1.35, "2019")
     damage = verified(tmp_path, 0.1, 'edition = "2019"', 'state = "SLD"')
     assert [one[0] for one in damage.verifications] == ["linear"]
     assert math.isnan(damage.ultimate)
@@ -483,7 +486,10 @@ def test_what_cannot_turn_is_refused(asked: dict[str, object], message: str) -> 
         ),
         ('code = "ec8"\nag = "0.15g"\nsoil = "A"\nT1 = 0.5', "has T1, not all"),
         ('code = "ec8"\nag = "0.15g"\nsoil = "A"\nedition = "2014"', "edition is '2014'"),
-        ('code = "ec8"\nag = "0.15g"\nsoil = "A"\nstate = "SLC"', "state is 'SLC'"),
+        (
+            'code = "ec8"\nag = "0.15g"\nsoil = "A"\nedition = "2009"\nstate = "SLC"',
+            "state is 'SLC'",
+        ),
         ('code = "ec8"\nag = "0.15g"\nsoil = "A"\nconfidence = "LC4"', "level is 'LC4'"),
         ('code = "ec8"\nag = "0.15g"\nsoil = "A"\nstate = "SLD"\nq = 2', "SLD counts no q"),
     ],
