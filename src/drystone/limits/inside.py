@@ -15,7 +15,7 @@ from drystone.base.settings import Clock, Stop, Stopped
 from drystone.base.workers import WorkerPool
 from drystone.limits.bounds import bisected_bound, rbe
 from drystone.limits.limit_answer import Limit
-from drystone.limits.limit_search import VerdictSearch, Width, evaluate
+from drystone.limits.limit_search import VerdictSearch, Width, evaluate, in_line
 from drystone.limits.limit_types import (
     SEARCHED,
     STANDS,
@@ -149,11 +149,9 @@ def searched(
             known = Bracket(falls=start if at.falls else None, falling=at)
         found = {"rest": FoundBracket(known, (), ())}
         if last is not None:
-            with WorkerPool(means.clock.workers) as pool:
-                first.executor = pool.executor
-                far = abs(last - start)
-                first.results = {v: r for v, r in first.results.items() if abs(v - start) <= far}
-                found = _inside(family, (start, last), outer, width, means, first)
+            far = abs(last - start)
+            first.results = {v: r for v, r in first.results.items() if abs(v - start) <= far}
+            found = _inside(family, (start, last), outer, width, means, first)
     means.tell("done", 3)
     rest = found.get("rest")
     if rest is not None and rest.bracket.falls == start and outer.stands is not None:
@@ -180,15 +178,15 @@ def stands_up_to(family: Family, end: float, means: Means, rest: Result | None) 
 
     ``rest``: of uniform stiffness at 0.
     """
-    late, start = means.clock.late, None if rest is None else rest.displacement
+    late, known = means.clock.late, {} if rest is None else {0.0: rest}
     for value in np.linspace(0.0, end, means.options.scan + 1)[1:-1].tolist():
-        found = evaluate(family, partial(one_stiffness, stop=late), (value, start))
-        start = found.displacement if found.stable else start
-        if not found.stable:
-            found = evaluate(family, partial(verdict, stop=late), (value, start))
-        if not found.stable:
+        start = in_line(known, value)
+        known[value] = evaluate(family, partial(one_stiffness, stop=late), (value, start))
+        if known[value].stable:
+            continue
+        if not evaluate(family, partial(verdict, stop=late), (value, start)).stable:
             return False
-    return evaluate(family, partial(verdict, stop=late), (end, start)).stable
+    return evaluate(family, partial(verdict, stop=late), (end, in_line(known, end))).stable
 
 
 def _inside(
@@ -205,18 +203,18 @@ def _inside(
     sides of its limit, and beyond them only where these do not close the bracket.
     """
     (start, last), options, late = span, means.options, means.clock.late
-    executor = first.executor
 
     def search(
         check: Callable[..., Result],
         meaning: Mapping[Verdict, bool | None] = STANDS,
         starts: Mapping[float, Result] | None = None,
     ) -> VerdictSearch:
-        return VerdictSearch(family, partial(check, stop=late), executor, meaning, late, starts)
+        return VerdictSearch(family, partial(check, stop=late), None, meaning, late, starts)
 
     if means.check is not None:
-        other = VerdictSearch(family, means.check, executor, stop=late)
-        return {"rest": other.run(start, last, width=width, scan=options.scan, beyond=outer)}
+        with WorkerPool(means.clock.workers) as pool:
+            other = VerdictSearch(family, means.check, pool.executor, stop=late)
+            return {"rest": other.run(start, last, width=width, scan=options.scan, beyond=outer)}
     closing = 0.0
     if options.width is None and family(start).contacts.corner_count > SEARCHED:
         width = Width(width.least, max(width.share, COARSE))

