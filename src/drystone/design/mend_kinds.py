@@ -343,6 +343,7 @@ def _thicker_words(bench: Bench, grown: _Grown, share: float) -> str:
         below, far = _overhung(model, dict(zip(some, bodies, strict=True)), across)
         if below:
             told += f"; they overhang {names_of(model, below)} by {quantity(far, 'm')}"
+            told += " (on wider ones less may do)"
     return told
 
 
