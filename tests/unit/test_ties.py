@@ -455,6 +455,20 @@ def test_columns_that_touch_do_not_help_one_that_crushes(share: float, stands: b
     assert not found.falls
 
 
+@pytest.mark.parametrize(("share", "stands"), [(0.65, True), (0.99, True), (1.01, False)])
+def test_a_wall_with_two_ties_turns_about_a_stress_block(share: float, stands: bool) -> None:
+    """a W h / 2 = W t / 2 + what the ties give - N^2 / (2 f l): 0.2685 g, once 0.1552."""
+    ground, strength = box((20.0, 30.0, 1.0), (-5.0, -10.0, -1.0), "ground"), 0.12e6
+    blocks = Assembly((ground, box((6.0, 0.5, 4.0), (0.0, 0.0, 0.0), "wall")), [True, False])
+    weight, pull = G * blocks.mass[1], 40e3 * np.array([13.5, 3.5]) / np.hypot(13.5, 3.5)
+    moment = 0.25 * weight + 3.5 * pull[0] + 0.5 * pull[1]
+    moment -= 0.5 * (weight + pull[1]) ** 2 / (strength * 6.0)
+    ties = [f"wall@{x},0.5,3.5:ground@{x},14,0:20kN" for x in (1, 5)]
+    shaken = (0.0, -share * moment / (2.0 * weight))
+    found = drystone.check(blocks, friction=0.6, seismic=shaken, tie=ties, strength=strength)
+    assert found.stable == stands
+
+
 def test_what_a_tie_beside_the_middle_does_not_hold_has_a_verdict() -> None:
     """The loads turn it about a vertical axis: points are spread over its faces on the way."""
     ground = box((4.0, 4.0, 1.0), (-1.0, -1.0, -1.0), "ground")

@@ -33,7 +33,7 @@ from drystone.formulations.corner_forces import (
     add_contact_rows,
     add_corner_forces,
 )
-from drystone.mechanics.statics import Statics
+from drystone.mechanics.statics import UNLIMITED, Statics
 from drystone.solvers.program import (
     ConicOptions,
     ConicProgram,
@@ -237,6 +237,8 @@ class LoadFactors:
         A factor from which on no larger one is asked for.
     whether
         Of a smaller factor no more is asked than that: where joints crush it may be too small.
+    rubs : (k,)
+        Friction of corners: those of a joint rub no more than all of it, and than they press for.
 
     Notes
     -----
@@ -251,9 +253,10 @@ class LoadFactors:
         reserve: sparse.csc_matrix | None = None,
         enough: float = np.inf,
         whether: bool = False,
+        rubs: Floats | None = None,
     ) -> None:
         self._statics, self._cone, self._enough = statics, cone, enough
-        self._whether = whether
+        self._whether, self._rubs = whether, rubs
         self._reserve = sparse.csc_matrix((0, 0)) if reserve is None else reserve
         self._kept: tuple[ConicProgram, Any] | None = None
         self._place: Ints = np.zeros(0, dtype=np.intp)  # of the live loads in it
@@ -303,7 +306,16 @@ class LoadFactors:
         return self._built(builder, statics, terms)
 
     def _built(self, builder: ProgramBuilder, statics: Statics, terms: list[Term]) -> ConicProgram:
-        return _balanced(builder, statics, add_corner_forces(builder, statics), self._cone, *terms)
+        unknowns = add_corner_forces(builder, statics)
+        if self._rubs is not None:
+            row = np.unique(statics.interface, return_inverse=True)[1]
+            most = np.bincount(row, self._rubs).astype(np.float64)
+            held, shape = np.flatnonzero(most < UNLIMITED), (len(most), len(row))
+            whole = sparse.csr_matrix((np.ones(len(row)), (row, np.arange(len(row)))), shape=shape)
+            length = builder.variable("length", len(row), unit=statics.force_unit)
+            builder.at_most("friction of joints", most[held], (length, whole[held]))
+            unknowns = replace(unknowns, length=length)
+        return _balanced(builder, statics, unknowns, self._cone, *terms)
 
 
 def solve_extreme_force(

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 
-from drystone.base.arrays import Bools, Floats, lengths
+from drystone.base.arrays import ROUNDING, Bools, Floats, lengths
 from drystone.base.display import rounded_down
 from drystone.base.errors import counted
 from drystone.base.settings import Clock, Stop
@@ -68,23 +68,29 @@ class Carried:
 
 
 def carried(
-    problem: Problem, cone: FrictionCone, late: Callable[[], bool], whether: bool = False
+    problem: Problem,
+    cone: FrictionCone,
+    late: Callable[[], bool],
+    whether: bool = False,
+    rubs: Floats | None = None,
 ) -> Carried:
     """What share of its loads a model carries whose joints crush.
 
-    With ``whether`` a share below 1 may be too small, by half of what it is below 1.
+    With ``whether`` a share below 1 may be too small, by half of what it is below 1. With ``rubs``
+    (k,), the friction of corners by the unit of force, joints rub no more than that in all; less
+    than all loads proves nothing then.
     """
     statics = problem.statics
     none = replace(statics, load=np.zeros_like(statics.load))
-    found = LoadFactors(none, cone, enough=1.0, whether=whether)(statics.load, late)
+    found = LoadFactors(none, cone, enough=1.0, whether=whether, rubs=rubs)(statics.load, late)
     share, state = found.factor, found.state
     steps = state.raw.iterations
     if state.raw.status is ConicStatus.SOLVED and share >= 1.0:  # all sets are convex, with zero
         force = problem.force(state.force / share)
         pull = None if state.pull is None else problem.force(state.pull[:, None] / share)
         return Carried(1.0, force, check_forces(problem.model, force, pull=pull), None, steps)
-    proof = checked_mechanism(problem, state)
-    if whether and proof is None and share < 1.0 and not late():
+    proof = checked_mechanism(problem, state) if rubs is None else None
+    if whether and rubs is None and proof is None and share < 1.0 and not late():
         return carried(problem, cone, late)
     return Carried(min(share, 1.0), None, Residuals(), proof, steps)
 
@@ -144,10 +150,9 @@ def within_strength(
     Without the limits of strength it must not fall. If it stands with the forces found there within
     them, it stands. Otherwise other forces are asked for, as crushing lets them move (it is
     ductile): none prove that it falls. Where some exist, friction may jam in them what the loads do
-    not. So uniform springs must hold it too, with faces that crush as small as stress blocks leave
-    them and ties that yield; or forces within the strength balance the loads without any friction
-    (Drucker 1954: then friction does not throw it over). Else what has ties is followed by finite
-    steps, and what has none is undecided.
+    not. So it stands with those alone that rub no more than uniform springs press for, or not at
+    all (Drucker 1954: then friction does not throw it over). Else what has ties is followed by
+    finite steps, and what has none is undecided.
 
     Parameters
     ----------
@@ -204,25 +209,15 @@ def _where_it_yields(
     """
     model, ties, steps = problem.model, problem.model.contacts.ties, found.iterations
     stone = bool((model.contacts.crushes & ~ties).any())
-    why = f"without it {found.message}"
-    if not (found.sensitive and stone):
-        force, taken = _held_by_yielding_springs(model, clock)
-        steps += taken
-        if force is not None:
-            words = f"{found.message}{_reached(kept)}"
-            residuals = check_forces(model, force)
-            if not stone and residuals.largest <= FORCE_TOLERANCE:
-                # what ties pull as they yield; other forces jam, and they pull less
-                kept = replace(kept, force=force, residuals=residuals)
-            return replace(kept, message=words, iterations=steps)
-        why = "springs of uniform stiffness that yield were not found to hold it"
-    if stone:
-        smooth = Problem.build(model.with_friction(0.0))
-        most = carried(smooth, FrictionCone.exact(), clock.late, whether=True)
-        steps += most.iterations
-        if most.force is not None and most.residuals.largest <= FORCE_TOLERANCE:
-            kept = replace(kept, force=most.force, residuals=most.residuals)
-            return replace(kept, message=f"{found.message}{_reached(kept)}", iterations=steps)
+    why = "of the forces that uniform springs bring about none were found within it"
+    if found.sensitive and stone:
+        why = f"without it {found.message}"
+    for forces in _brought_about(model, found.sensitive and stone, clock):
+        steps += forces.iterations
+        if forces.force is not None and forces.residuals.largest <= FORCE_TOLERANCE:
+            told = replace(kept, force=forces.force, residuals=forces.residuals)
+            words = f"{found.message}{_reached(told if stone else kept)}"  # ties may yield early
+            return replace(told, message=words, iterations=steps)
     less, path = _with_stone_of_any_strength(model), None
     if less.contacts.crushes.any() and (less.contacts.plain | ties).all():
         path = settle_for_verdict(less, options=settlement, stop=clock.late)
@@ -248,30 +243,37 @@ def _where_it_yields(
     )
 
 
-def _held_by_yielding_springs(model: Model, clock: Clock) -> tuple[Floats | None, int]:
-    """Forces (k, 3) [N] of uniform springs that hold it within the strength, and the steps.
+def _brought_about(model: Model, sensitive: bool, clock: Clock) -> Iterator[Carried]:
+    """Forces that loads may bring about, which crushing lets move but friction does not jam.
 
-    Springs of ties pull by their strength at most. Faces whose stress blocks do not suffice are
-    made as small as the centres of such blocks reach, and forces are found again.
+    First those of uniform springs, of which ties pull by their strength at most. Where stone
+    crushes forces within the strength, of joints that these springs press: none rubs more than it
+    does with the forces there, or with those of the springs. Then those without any friction; only
+    these where it is ``sensitive``, as springs say nothing then.
     """
-    contacts, size, steps = model.contacts, np.ones(model.contacts.count), 0
+    contacts, loose = model.contacts, Problem.build(model.without_crushing())
+    statics, springs = loose.statics, law.uniform(loose.statics)
     most = contacts.tie_strength[contacts.interface] * contacts.corner_share
-    while size.min(initial=1.0) > 0.0 and not clock.late():
-        problem = Problem.build(model.with_contacts(_on_parts(contacts, size)).without_crushing())
-        springs = law.uniform(problem.statics)
-        if np.isfinite(most).any():
-            springs = replace(springs, most=most[problem.corners] / problem.statics.force_unit)
-        state = Attempt(problem, springs, clock.late).from_nothing()
-        steps += state.steps
-        if not state.stands:
-            break
-        force = _on_whole_faces(contacts, state.force, size)
-        use = normal_force_by_strength(contacts, np.maximum(force[:, 0], 0.0))[0]
-        use[contacts.ties] = 0.0
-        if use.max(initial=0.0) <= 1.0:
-            return force, steps
-        size = _smaller(contacts, force, use, size)
-    return None, steps
+    if np.isfinite(most).any():
+        springs = replace(springs, most=most[loose.corners] / statics.force_unit)
+    normal, bears = np.zeros(statics.corner_count), np.ones(contacts.count, dtype=bool)
+    frictions = [(normal, bears)]
+    if not sensitive:
+        state = Attempt(loose, springs, clock.late).from_nothing()
+        force = state.force if state.stands else None
+        yield Carried(1.0, force, check_forces(model, state.force), None, state.steps)
+        normal = state.force[loose.corners, 0] / statics.force_unit
+        pressed = np.abs(normal) > ROUNDING * statics.corner_load
+        bears = np.isin(np.arange(contacts.count), contacts.interface[loose.corners][pressed])
+        frictions = [(normal, bears), *frictions] if state.stands else frictions
+    for normal, bears in frictions if (contacts.crushes & ~contacts.ties).any() else ():
+        part = Problem.build(model.with_contacts(contacts.select(bears)))
+        stays = bears[contacts.interface]
+        rubs = springs.friction.bound(np.maximum(normal, 0.0))[stays[loose.corners]]
+        found = carried(part, FrictionCone.exact(), clock.late, whether=True, rubs=rubs)
+        force = np.zeros((len(stays), 3))
+        force[stays] = 0.0 if found.force is None else found.force
+        yield replace(found, force=None if found.force is None else force)
 
 
 def _with_stone_of_any_strength(model: Model) -> Model:
