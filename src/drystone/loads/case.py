@@ -352,7 +352,10 @@ class LoadCase(OneLine):
             )
         moved = np.zeros((len(assembly), 6))
         moved[i, : len(values)] = values
-        return cls(np.zeros_like(moved), "settlement", (), moved)
+        shift, turn = (", ".join(f"{x:g}" for x in part + 0.0) for part in np.split(moved[i], 2))
+        name = f"'{assembly.names[i]}' moved by {shift} m"
+        name += f" and {turn} rad" if moved[i, 3:].any() else ""
+        return cls(np.zeros_like(moved), name, (), moved)
 
     def turned(self, rotation: Floats) -> LoadCase:
         """The same loads in the axes of a model that was turned by a matrix (3, 3).

@@ -140,7 +140,7 @@ def push(
         moves = along >= MOVES * size * (along / np.where(size, size, np.inf)).max()
         return ended, whole / float(size[moves].sum()), 1.0
 
-    return _driven(model, Drive.LOAD, run, options, clock)
+    return replace(_driven(model, Drive.LOAD, run, options, clock), grows=case.name)
 
 
 @checked_call

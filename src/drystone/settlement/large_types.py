@@ -23,7 +23,7 @@ from drystone.answer import (
 )
 from drystone.answer.chart import Chart, MarkKind, Marks
 from drystone.answer.drawing import interface_layers, load_layers, state_of
-from drystone.answer.question import directions
+from drystone.answer.question import Question, directions
 from drystone.base import units
 from drystone.base.arrays import Bools, Floats
 from drystone.base.display import OneLine
@@ -207,6 +207,8 @@ class LargeDisplacement(Answer):
         Where blocks were seen to fall, after the last state; None where they do not. It is no
         equilibrium.
     options
+    grows
+        The load that grows, in words; empty where something else does.
     """
 
     drive: Drive
@@ -218,6 +220,7 @@ class LargeDisplacement(Answer):
     message: str
     fallen: LargeState | None = None
     options: SettlementOptions = field(default_factory=SettlementOptions)
+    grows: str = ""
 
     def _summary(self) -> str:
         return f"{self.drive.value}, {counted(len(self.states), 'state')}, '{self.message}'"
@@ -295,8 +298,19 @@ class LargeDisplacement(Answer):
         return f"Stands with its supports moved by {far}{': ' if told else ''}{told}"
 
     def sentences(self) -> Sequence[Sentence]:
-        """Why it ends, and what was found."""
-        return [Sentence(self.end.value.upper(), self._role or Role.UNSURE), Sentence(self.message)]
+        """Why it ends, what was found, and of which load or force."""
+        told = f"the load is {self.grows} times the factor that is told" if self.grows else ""
+        if self.drive is Drive.SUPPORTS:
+            told = "the force is that of the blocks on the supports that move, along their motion"
+        end = Sentence(self.end.value.upper(), self._role or Role.UNSURE)
+        return [end, Sentence(self.message), *([Sentence(told)] if told else [])]
+
+    @cached_property
+    def asked(self) -> Question:
+        """What was asked, with the load that grows."""
+        asked = super().asked
+        more = f", and {self.grows} times a factor" if self.grows else ""
+        return replace(asked, load=asked.load + more)
 
     @property
     def code(self) -> int:

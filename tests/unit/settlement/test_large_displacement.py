@@ -342,7 +342,11 @@ def test_the_command_pushes_and_writes_the_curve(file: str, tmp_path: Path, caps
     assert told["peak"] == pytest.approx(0.3, rel=1e-4)
     assert target.read_text(encoding="utf-8").startswith("displacement [m],load\n")
     assert main(["push", file, "block-0:10000,0,0", "--to", "0.01"]) == 1
-    assert "slides" in capsys.readouterr().out
+    out = " ".join(capsys.readouterr().out.split())
+    assert "slides" in out
+    load = "10000, 0, 0 N on 'block-0'"
+    assert f"the load is {load} times the factor that is told" in out
+    assert f"gravity, and {load} times a factor" in out
     assert main(["limit", "decay", file]) == 0
     assert "at rest without any friction" in " ".join(capsys.readouterr().out.split())
     assert main(["push", file, "--gravity", "9,0,-9"]) == 1
@@ -357,6 +361,7 @@ def test_settle_follows_supports_to_a_length(file: str, tmp_path: Path, capsys: 
     assert main([*asked, "--json"]) == 0
     told = json.loads(capsys.readouterr().out)
     assert told["curve"]["displacement"][-1] == pytest.approx(0.01)
+    assert "'base' moved by 1, 0, 0 m" in told["asked"]["load"]
     assert told["positions"]["blocks"]["block-0"][-1][0] == pytest.approx(0.01, rel=1e-3)
     assert page.exists()
     curve = tmp_path / "curve.csv"
