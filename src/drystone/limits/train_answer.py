@@ -115,11 +115,15 @@ class TrainEnvelope(Answer):
         if self.falls_alone:
             return ("none (falls without the train)",) * len(self.places)
         told = {True: "any factor", False: "this factor"}
+        told = {known: words + self._ductile for known, words in told.items()}
         each = ["not found" if np.isnan(x) else told[x == np.inf] for x in self.factors]
         rest = np.inf if self._rest is None else rounded_down(self._rest, 3)
         known = dict.fromkeys(self._undecided, "a verdict is undecided")
         if rest < rounded_down(float(self.factors[self.worst]), 3):
             known[self.worst] = f"{rounded_down(self._rest or 0.0):g} by the verdict"
+        if self._ductile and self._rest is not None and not self.stopped:
+            least = f"{rounded_down(self._rest):g} or more by the verdict"
+            known = dict.fromkeys(range(len(each)), least) | known
         for i, words in known.items():
             each[i] += f" by equilibrium; {words}"
         return tuple(each)
@@ -226,7 +230,7 @@ class TrainEnvelope(Answer):
             return f"Forces balance no share of '{train}' at {at}"
         known, asked = len(self.places), self.asked_for
         among = f" of {known} of {asked} places" if known < asked else ""
-        place = f"least{self._ductile}{among} at {at}"
+        place = f"least{self._ductile if self._rest is None else ''}{among} at {at}"
         if self._rest is not None and self._rest < 1.0:
             only = "at most" if self._undecided else "only"
             return f"Does not carry '{train}', {only} {rounded_down(self._rest):g} of it, {place}"
@@ -289,11 +293,16 @@ class TrainEnvelope(Answer):
         if self.train.line:
             said.append(self._of_line)
         everywhere = bool(self._rest) and not self.stopped
-        if self._ductile and not everywhere:
+        if self._ductile:
             why = (
                 "mortar is brittle, and places are compared with ductile joints: only the "
                 "verdict knows brittle ones, and other places may carry less"
             )
+            if everywhere:
+                why = (
+                    "mortar is brittle, and only the verdict knows that: the others are held "
+                    "against the least factor; between them it may be less: more --steps tell"
+                )
             said.append(Sentence(why, Role.REMARK))
         if len(self._crossing.resisted):
             why = (

@@ -149,7 +149,14 @@ def test_the_worst_place_is_that_of_the_verdict_not_of_ductile_joints(
     assert found.limit.stands == pytest.approx(weight / 950.0, rel=1e-3)
     assert found.factors.min() > 2.0 * found.limit.stands
     assert found.places[found.worst] == pytest.approx(2.25, abs=1e-3)
+    said = [one.text for one in found.sentences()]
     assert found.sentences()[0].role is Role.GOOD
+    assert "ductile" not in found.title
+    assert any("between them it may be less" in one for one in said)
+    rest = found.title.split("load factor ")[1].split(",")[0]
+    least = f"with ductile joints by equilibrium; {rest} or more by the verdict"
+    others = [one for i, one in enumerate(found.carries) if i != found.worst]
+    assert all(one.endswith(least) for one in others)
 
     def unsure(model: Model, **how: Any) -> Result:
         at_first = "axle at x = -0." in model.load.name
