@@ -394,6 +394,14 @@ def test_what_stands_far_below_its_strength_is_not_said_to_reach_it():
     assert found.strength_use.max() < 0.05
 
 
+def test_stiffnesses_are_said_to_be_tried_without_a_limit_of_strength():
+    """Two, or five, hold a pier; the forces of one were compared with its strength."""
+    tried = "(5 contact stiffnesses tried) without a limit of strength, one within"
+    assert tried in check(pier(1.0), options=drystone.CheckOptions.robust()).message
+    told = [one.text for one in check(pier(1.0)).sentences()]
+    assert any(one.endswith("2 of 2 tried without a limit of strength") for one in told)
+
+
 def test_what_slides_with_nothing_crushed_is_not_said_to_crush():
     """Below the friction of its limit a bridge in an earthquake slides, with any strength."""
     found = limit_friction(segmental_bridge(5.0, 1.5), seismic=0.2, strength="5MPa").best.falling

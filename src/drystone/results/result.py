@@ -79,6 +79,7 @@ class Result(Solution, Answer):
         if self.samples.tried and self.verdict is not Verdict.UNSTABLE:
             tried, standing = self.samples.tried, self.samples.standing
             words = f"stands for {standing} of {tried} tried"
+            words += " without a limit of strength" if self.contacts.crushes.any() else ""
             said.append(Sentence(f"contact stiffness, which nobody knows: {words}"))
         return [one for one in (*said, *self.margins()) if one.text]
 

@@ -167,6 +167,8 @@ def within_strength(
     found = decide(model.without_crushing())
     crushes = found.model.with_contacts(model.contacts.carried_to(found.contacts))
     found = replace(found, model=crushes)
+    if found.stable and (found.sensitive or found.options.samples):
+        found = replace(found, message=f"{found.message} without a limit of strength, one within")
     if found.falls:
         return found
     if found.force is not None:
@@ -211,7 +213,7 @@ def _where_it_yields(
     stone = bool((model.contacts.crushes & ~ties).any())
     why = "of the forces that uniform springs bring about none were found within it"
     if found.sensitive and stone:
-        why = f"without it {found.message}"
+        why = found.message
     for forces in _brought_about(model, found.sensitive and stone, clock):
         steps += forces.iterations
         if forces.force is not None and forces.residuals.largest <= FORCE_TOLERANCE:
