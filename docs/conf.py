@@ -8,7 +8,7 @@ import sys
 from itertools import takewhile
 from pathlib import Path
 
-from docutils.nodes import SkipNode, literal_block
+from docutils.nodes import SkipNode
 from docutils.utils.math.latex2mathml import tex2mathml
 from sphinx.application import Sphinx
 from sphinx.ext.napoleon import NumpyDocstring
@@ -199,13 +199,12 @@ def by_last_name(app, env, node, content):
     return make_refnode(app.builder, node["refdoc"], one.docname, one.node_id, content, last)
 
 
-def sentences_wrap(*event):
-    """Of what commands print, blocks without a table may break their lines."""
-    _, doctree, _ = event
-    for block in doctree.findall(literal_block):
-        table = re.search(r"^ *\S+(?: \S+)* {2,}\S.* {2,}\S", block.astext(), re.MULTILINE)
-        if block.get("language") == "console" and not table:
-            block["classes"].append("wraps")
+def rows_stay(*event):
+    """Of what commands print sentences break their lines, rows of tables do not."""
+    row, left_out = r'<span class="go"> .*</span>\n', r'<span class="go">\.\.\.</span>\n'
+    context, rows = event[3], rf"{row}(?:(?:{left_out})?{row})*"
+    body = context.get("body", "")
+    context["body"] = re.sub(rows, lambda x: f'<span class="rows">{x[0][:-1]}</span>\n', body)
 
 
 def without_links(*event):
@@ -225,7 +224,7 @@ def setup(app: Sphinx) -> None:
     app.connect("viewcode-follow-imported", written_in)
     app.connect("html-page-context", social)
     app.connect("html-page-context", back_from_code)
+    app.connect("html-page-context", rows_stay)
     app.connect("missing-reference", by_last_name)
-    app.connect("doctree-resolved", sentences_wrap)
     app.add_html_math_renderer("mathml", (inline_math, None), (display_math, None))
     write_reference(HERE / "reference" / "api")

@@ -254,3 +254,9 @@ def test_buttons_and_the_social_picture_have_the_address_of_the_repository_or_ar
     assert all(f"/{repository}/" in one for one in opened)
     assert all("examples/notebook.ipynb" in unquote(one) for one in opened)
     assert bool(site) == (f"git+https://github.com/{repository}`" in told)
+    lines = [
+        f'<span class="go">{one}</span>\n' for one in ("moved:", " a  b", "...", " 1  2", "...")
+    ]
+    conf["rows_stay"](None, "index", "page.html", context := {"body": "".join(lines)})
+    table = "".join(lines[1:4]).rstrip()  # with what is left out between its rows
+    assert f'{lines[0]}<span class="rows">{table}</span>\n{lines[4]}' == context["body"]

@@ -98,7 +98,8 @@ class Renderer extends BlockRenderer {
     }
     gl.enable(gl.DEPTH_TEST);
     if (view.showBlocks) yield* this.drawBlocks(view);
-    if (view.showEdges && (BEHIND * view.fine > UNSEEN || !view.showBlocks)) {
+    const behind = BEHIND * view.fine > UNSEEN && !view.sharp; // a third of a sharp picture
+    if (view.showEdges && (behind || !view.showBlocks)) {
       gl.depthMask(false);
       yield* this.drawEdges(view, BEHIND * view.fine, false);
     }
