@@ -165,6 +165,16 @@ class Patch(OneLine):
         u, v = grid[:, None], grid[None, :]
         return u, v, np.linalg.norm(np.cross(*self.tangents(u, v)), axis=2) / PARTS**2
 
+    @cached_property
+    def fold(self) -> tuple[float, ...]:
+        """First u and v, of even samples, where the next normal is reversed; empty without one."""
+        grid = (np.arange(SAMPLES) + 0.5) / SAMPLES
+        normal = self.normal(*np.meshgrid(grid, grid, indexing="ij"))
+        along_u = dot(normal[1:], normal[:-1]) < 0.0
+        along_v = dot(normal[:, 1:], normal[:, :-1]) < 0.0
+        folded = np.argwhere(along_u).tolist() or np.argwhere(along_v).tolist()
+        return tuple(grid[folded[0]].tolist()) if folded else ()
+
     def border(self, side: Side, along: Any) -> Floats:
         """Points (k, 3) [m] at the positions ``along`` (k,) of a side."""
         return self.point(*side.parameters(np.asarray(along, dtype=np.float64)))
@@ -215,15 +225,10 @@ def check_patch(patch: Patch) -> None:
     InputError
         The normal reverses between two neighbouring samples: the patch is folded there.
     """
-    grid = (np.arange(SAMPLES) + 0.5) / SAMPLES
-    normal = patch.normal(*np.meshgrid(grid, grid, indexing="ij"))
-    along_u = dot(normal[1:], normal[:-1]) < 0.0
-    along_v = dot(normal[:, 1:], normal[:, :-1]) < 0.0
-    folded = np.argwhere(along_u).tolist() or np.argwhere(along_v).tolist()
-    if folded:
-        i, j = folded[0]
+    if patch.fold:
+        u, v = patch.fold
         raise InputError(
-            f"is folded on itself near u {grid[i]:.2f}, v {grid[j]:.2f}",
+            f"is folded on itself near u {u:.2f}, v {v:.2f}",
             where=f"patch '{patch.name}'",
             remedy="its opposite sides must not cross, nor its control points change order",
         )

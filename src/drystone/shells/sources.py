@@ -19,7 +19,7 @@ from drystone.io.draft import UP
 from drystone.shells.patch import SAMPLES, Patch, arc_lengths, check_patch, numbers
 
 if TYPE_CHECKING:
-    from scipy.interpolate import RectBivariateSpline
+    from scipy.interpolate import NdBSpline
 
 _Curve: TypeAlias = Callable[[Floats], Any]
 """s (k,) in [0, 1] to points (k, 3) [m]."""
@@ -223,27 +223,24 @@ def patch_from_grid(
     return patch_from_function(point, closed=closed, name=name, breaks=inner.tolist())
 
 
-def _on_splines(
-    pieces: Sequence[Sequence[RectBivariateSpline]], inner: Floats, u: Floats, v: Floats
-) -> Floats:
+def _on_splines(pieces: Sequence[NdBSpline], inner: Floats, u: Floats, v: Floats) -> Floats:
     """Points on splines beside each other, the second one from the first inner v on."""
+    at = np.clip(np.stack([u, v], axis=1), 0.0, 1.0)
     piece = np.searchsorted(inner, v, side="right")
     out = np.empty((len(u), 3))
-    for i, splines in enumerate(pieces):
+    for i, spline in enumerate(pieces):
         chosen = piece == i
-        for axis, spline in enumerate(splines):
-            out[chosen, axis] = spline.ev(u[chosen], v[chosen])
+        out[chosen] = spline(at[chosen])
     return out
 
 
-def _spline(at_u: Floats, at_v: Floats, points: Floats) -> list[RectBivariateSpline]:
-    from scipy.interpolate import RectBivariateSpline  # slow to import
+def _spline(at_u: Floats, at_v: Floats, points: Floats) -> NdBSpline:
+    """Through the points; all three coordinates at once take half the time of one by one."""
+    from scipy.interpolate import NdBSpline, make_interp_spline  # slow to import
 
-    degree_u, degree_v = min(3, len(at_u) - 1), min(3, len(at_v) - 1)
-    return [
-        RectBivariateSpline(at_u, at_v, points[:, :, axis], kx=degree_u, ky=degree_v, s=0)
-        for axis in range(3)
-    ]
+    by_u = make_interp_spline(at_u, points, min(3, len(at_u) - 1))
+    by_v = make_interp_spline(at_v, by_u.c.swapaxes(0, 1), min(3, len(at_v) - 1))
+    return NdBSpline((by_u.t, by_v.t), by_v.c.swapaxes(0, 1), (by_u.k, by_v.k))
 
 
 def _refuse_crossings(curves: dict[str, _Curve], size: float, where: str) -> None:
