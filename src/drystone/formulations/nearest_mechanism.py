@@ -33,6 +33,7 @@ import numpy as np
 from drystone.base.arrays import Floats, lengths
 from drystone.base.errors import SolverError
 from drystone.mechanics.statics import Statics
+from drystone.solvers.factors import Refined, Solve
 
 
 def inner(x: Floats) -> Floats:
@@ -208,7 +209,7 @@ class NearestMechanism:
 
 
 def nearest_mechanism(
-    statics: Statics, *, stop: Callable[[], bool] | None = None
+    statics: Statics, *, stop: Callable[[], bool] | None = None, near: float = NEAR
 ) -> NearestMechanism:
     """The mechanism nearest to free fall, or forces that balance the loads, for dry joints.
 
@@ -217,16 +218,18 @@ def nearest_mechanism(
     statics
     stop
         Called before every step; True ends the iteration with what it has found.
+    near
+        Duality gap, by the power of the loads, at which a mechanism is near enough.
     """
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        return _Iteration(statics).run(stop)
+        return _Iteration(statics, near).run(stop)
 
 
 class _Iteration:
     """The present point of the iteration."""
 
-    def __init__(self, statics: Statics) -> None:
-        self.statics = statics
+    def __init__(self, statics: Statics, near: float) -> None:
+        self.statics, self.near = statics, near
         self.mass, self.load = statics.mass_matrix, statics.load
         self.scale = np.ones((statics.corner_count, 3))
         self.scale[:, 1:] = statics.friction[:, None]
@@ -238,6 +241,8 @@ class _Iteration:
         self.slack = np.full((len(size), 1), FIRST_SLACK) * axis
         self.found: Floats | None = None
         self.part, self.of_parts = PART, 0
+        self.rough = True
+        self.solve: Solve | None = None
         self.unbalanced, self.apart = self.defects()
 
     def run(self, stop: Callable[[], bool] | None) -> NearestMechanism:
@@ -259,7 +264,7 @@ class _Iteration:
         if better is not None:
             self.found = better
         known = self.found is not None
-        near = self.gap() <= (NEAR if known else EXACT) * power
+        near = self.gap() <= (self.near if known else EXACT) * power
         return near or (before and better is None) or (not known and self.left() <= BALANCED)
 
     def balance(self) -> bool:
@@ -296,7 +301,7 @@ class _Iteration:
         self.part = 0.1 * gap / power
         if moving.all() or not moving.any():
             return False
-        alone = _Iteration(self.statics.with_free(moving)).run(stop)
+        alone = _Iteration(self.statics.with_free(moving), self.near).run(stop)
         self.of_parts += alone.iterations
         if alone.motion is None:
             return False
@@ -333,9 +338,15 @@ class _Iteration:
         )
 
     def factorised(self, tangent: Floats, mass: Floats) -> Callable[[Floats], Floats]:
-        """The solution with ``mass + A S tangent S A'`` as a function of the right side."""
+        """The solution with ``mass + A S tangent S A'`` as a function of the right side.
+
+        Where rough factors did not lead on they do not later: the numbers grow apart.
+        """
         scaled = self.scale[:, :, None] * tangent * self.scale[:, None, :]
-        return self.statics.maps.factorise(scaled, mass)
+        self.rough &= not isinstance(self.solve, Refined) or self.solve.leads
+        self.solve = None  # one set of factors at a time
+        self.solve = self.statics.maps.factorise(scaled, mass, self.rough)
+        return self.solve
 
     def mechanism(self) -> Floats | None:
         """The motion, if it closes no corner; or else without that of blocks that hardly move."""

@@ -17,7 +17,7 @@ from drystone.base.arrays import Floats, Ints, cross
 from drystone.base.errors import SolverError
 from drystone.base.ragged import runs_by_length
 from drystone.geometry.frames import skew
-from drystone.solvers.factors import Solve, inverse, refined
+from drystone.solvers.factors import Refined, Solve, inverse
 from drystone.solvers.multifrontal import ordering_of
 
 FULL = 12_000
@@ -69,14 +69,17 @@ class FullMaps:
         """A f: wrenches (n, 6) of corner forces (k, 3) on the free blocks."""
         return (force.ravel() @ self.rows).reshape(-1, 6)
 
-    def factorise(self, tangent: Floats, weight: Floats) -> Solve:
+    def factorise(self, tangent: Floats, weight: Floats, rough: bool = True) -> Solve:
         """The inverse of ``A D A' + W``, of D (k, 3, 3) and weights, see :func:`times`.
+
+        ``rough``: whether the factors may have fewer digits. Those of few blocks have all.
 
         Raises
         ------
         SolverError
             The matrix is singular.
         """
+        del rough
         size = self.shape[1]
         matrix = self.rows.T @ (tangent @ self.rows.reshape(-1, 3, size)).reshape(-1, size)
         if weight.ndim == 2:
@@ -157,8 +160,9 @@ class SparseMaps:
         """As for few blocks."""
         return np.asarray(self.on_blocks @ (self.back @ force.ravel())).reshape(-1, 6)
 
-    def factorise(self, tangent: Floats, weight: Floats) -> Solve:
-        """As for few blocks. The factors of many have single precision; solutions are refined."""
+    def factorise(self, tangent: Floats, weight: Floats, rough: bool = True) -> Solve:
+        """As for few blocks. The rough factors of many have single precision; solutions are refined.
+        """
 
         def product(motion: Floats) -> Floats:
             local = np.einsum("kij,kj->ki", tangent, self.moved(motion))
@@ -167,11 +171,11 @@ class SparseMaps:
         def exact() -> Solve:
             return self.ordering.factorise(self.blocks(tangent, weight)).solve
 
-        if len(weight) < SINGLE_FROM:
+        if len(weight) < SINGLE_FROM or not rough:
             return exact()
         try:
             blocks = self.blocks(tangent, weight).astype(np.float32)
-            return refined(self.ordering.factorise(blocks).solve, product, exact)
+            return Refined(self.ordering.factorise(blocks).solve, product, exact)
         except SolverError:  # singular to so few digits
             return exact()
 

@@ -32,7 +32,7 @@ Solve = Callable[[Floats], Floats]
 """From right sides to solutions of the same shape."""
 
 
-def refined(rough: Solve, product: Solve, exact: Callable[[], Solve]) -> Solve:
+class Refined:
     """The inverse of a matrix.
 
     Parameters
@@ -44,27 +44,28 @@ def refined(rough: Solve, product: Solve, exact: Callable[[], Solve]) -> Solve:
     exact
         Makes an inverse with all digits; called once, where the rough one does not lead on.
     """
-    inverse = rough
 
-    def solve(right: Floats) -> Floats:
-        nonlocal inverse
-        if inverse is not rough:
-            return inverse(right)
+    def __init__(self, rough: Solve, product: Solve, exact: Callable[[], Solve]) -> None:
+        self._inverse, self._product, self._exact = rough, product, exact
+        self.leads = True
+
+    def __call__(self, right: Floats) -> Floats:
+        """The solution with a right side."""
+        if not self.leads:
+            return self._inverse(right)
         goal = REFINED * float(np.linalg.norm(right))
         solution, before = np.zeros_like(right), np.inf
         left = right
         while True:
-            solution += rough(left)
-            left = right - product(solution)
+            solution += self._inverse(left)
+            left = right - self._product(solution)
             size = float(np.linalg.norm(left))
             if size <= goal:
                 return solution
             if not size < SLOWLY * before:
-                inverse = exact()
-                return inverse(right)
+                self._inverse, self.leads = self._exact(), False
+                return self._inverse(right)
             before = size
-
-    return solve
 
 
 def inverse(matrix: Floats) -> Callable[[Floats], Floats]:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from drystone.solvers.factors import refined
+from drystone.solvers.factors import Refined
 
 
 def matrix_of(digits: float) -> np.ndarray:
@@ -24,7 +24,7 @@ def never():
 
 def test_a_solution_from_single_precision_leaves_a_millionth_at_most():
     matrix, right = matrix_of(4.0), np.random.default_rng(1).normal(size=40)
-    found = refined(single(matrix), lambda x: matrix @ x, never)(right)
+    found = Refined(single(matrix), lambda x: matrix @ x, never)(right)
     assert np.linalg.norm(right - matrix @ found) <= 1e-6 * np.linalg.norm(right)
 
 
@@ -37,7 +37,7 @@ def test_exact_factors_are_made_once_where_rough_ones_do_not_lead_on(factor):
         return lambda right: np.linalg.solve(matrix, right)
 
     with np.errstate(invalid="ignore"):
-        inverse = refined(lambda right: factor * right, lambda x: matrix @ x, exact)
+        inverse = Refined(lambda right: factor * right, lambda x: matrix @ x, exact)
         for seed in range(2):
             right = np.random.default_rng(seed).normal(size=40)
             np.testing.assert_allclose(matrix @ inverse(right), right, atol=1e-9)
