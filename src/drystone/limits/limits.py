@@ -152,8 +152,10 @@ def tilt_limit(
         family,
         0.0,
         upper,
-        lambda stop: (
-            tilt_bound(family, upper, width=width, cone=chosen.cone, stop=stop, first=first),
+        lambda stop, held: (
+            tilt_bound(
+                family, upper, width=width, cone=chosen.cone, stop=stop, held=held, first=first
+            ),
             width,
         ),
         means,
@@ -234,8 +236,8 @@ def limit_load(
         family,
         0.0,
         upper,
-        lambda stop: load_factor_bound(
-            family, upper, share=_SHARE, width=chosen.width, cone=chosen.cone, stop=stop
+        lambda stop, held: load_factor_bound(
+            family, upper, share=_SHARE, width=chosen.width, cone=chosen.cone, stop=stop, held=held
         ),
         means,
         _SHARE,

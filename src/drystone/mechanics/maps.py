@@ -161,8 +161,7 @@ class SparseMaps:
         return np.asarray(self.on_blocks @ (self.back @ force.ravel())).reshape(-1, 6)
 
     def factorise(self, tangent: Floats, weight: Floats, rough: bool = True) -> Solve:
-        """As for few blocks. The rough factors of many have single precision; solutions are refined.
-        """
+        """As for few blocks. Rough factors of many have single precision; solutions are refined."""
 
         def product(motion: Floats) -> Floats:
             local = np.einsum("kij,kj->ki", tangent, self.moved(motion))

@@ -3,6 +3,7 @@
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
+import numpy as np
 import pytest
 
 from drystone import LoadCase, Result, Verdict
@@ -141,6 +142,18 @@ def test_every_value_is_tried_once_and_listed_in_order() -> None:
     found = VerdictSearch(Given(), counted).run(0.0, 1.0, width=W(1e-2), scan=4)
     assert len(tried) == len(set(tried))
     assert [one.value for one in found.evaluations] == sorted(tried)
+
+
+def test_a_scan_begins_each_value_in_line_with_the_two_before_it() -> None:
+    begun: dict[float, float | None] = {}
+
+    def straight(model: Model, start: np.ndarray | None = None) -> Result:
+        value = float(model.load.wrench[1, 0])
+        begun[value] = None if start is None else float(start[1, 0])
+        return Result("given", S, model, displacement=np.full((2, 6), 1.0 - 3.0 * value))
+
+    VerdictSearch(Given(), straight, starts={}).run(0.0, 1.0, width=W(0.1), scan=4)
+    assert begun == pytest.approx({0.0: None, 0.25: 1.0, 0.5: -0.5, 0.75: -1.25, 1.0: -2.0})
 
 
 def test_a_stopped_search_tells_what_was_tried_by_then() -> None:
