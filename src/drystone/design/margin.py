@@ -13,7 +13,7 @@ from drystone.base.errors import InputError
 from drystone.base.settings import Options, Stopped
 from drystone.base.units import quantity
 from drystone.geometry.frames import LEVEL_AXES, axis_words, rotation_about
-from drystone.loads import LoadCase
+from drystone.loads import STANDARD_GRAVITY, LoadCase
 from drystone.loads.placing import wrench_of_masses
 from drystone.model import Model
 from drystone.results import Result
@@ -226,7 +226,12 @@ class DesignMargin(Options):
         )
 
     def remarks(self, model: Model) -> list[str]:
-        """What a margin of load multiplies that helps, or that nothing is there to multiply."""
+        """What the margin multiplies that helps, or that there is nothing; what is not asked."""
+        x, y = 0.0 - model.load.shake[:2] / STANDARD_GRAVITY
+        way = f"the earthquake acts one way: ask for the other, --seismic {x:g},{y:g} in its place"
+        return [*self._multiplied(model), *([f"{way}, too"] if x or y else [])]
+
+    def _multiplied(self, model: Model) -> list[str]:
         if self.load == 1.0 or self.variable:
             return []
         words, more = self._loaded(model)

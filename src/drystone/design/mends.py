@@ -29,7 +29,7 @@ from drystone.design.words import NOTHING, listed, names_of
 from drystone.io.opening import Given, LongHow, as_model
 from drystone.limits.bounds import with_margins
 from drystone.limits.train_limit import limit_train
-from drystone.loads import STANDARD_GRAVITY, Train
+from drystone.loads import Train
 from drystone.loads.placing import GivenLoad
 from drystone.model import Model
 from drystone.results import Result
@@ -146,8 +146,6 @@ _ORDER = (
     "listed by cost; behind are those that jam, last those that stand only after settling or do "
     "not carry the train at all places"
 )
-
-_ONE_WAY = "the earthquake acts one way: ask for the other, --seismic {:g},{:g} in its place, too"
 
 _DRAIN = (
     "a drain was not tried: a load with its water lower, or left out, and drystone check say "
@@ -355,9 +353,6 @@ class Mends(Answer):
         costs = [[_cost(self.mends[i]) for i in own] for own in self._parts().values()]
         if any(own != sorted(own) for own in costs):
             built.append(Sentence(_ORDER, Role.REMARK))
-        if load.shake.any():
-            other = 0.0 - load.shake[:2] / STANDARD_GRAVITY
-            built.append(Sentence(_ONE_WAY.format(*other), Role.REMARK))
         tied = any(one.change.kind == "tie" for one in self.mends)
         built += [Sentence(_TIED, Role.REMARK)] * tied
         said = [verdict, Sentence(self.message), *mends, *built, *failed, *reasons]
