@@ -1,5 +1,7 @@
 """Joints that crush: closed forms, and a bridge against a linear program of its own."""
 
+import itertools
+
 import numpy as np
 import pytest
 from scipy.optimize import linprog
@@ -443,3 +445,20 @@ def test_what_crushes_elsewhere_lets_nothing_rub_that_is_not_pressed() -> None:
     assert "within the strength" in found.message
     feet = found.strength_use[:3] * 0.2e6
     assert feet == pytest.approx([2.0 * UNIT_WEIGHT, 1e5 + 2.0 * UNIT_WEIGHT, 2.0 * UNIT_WEIGHT])
+
+
+def test_rings_that_are_not_bonded_press_more_on_each_other_as_they_crush() -> None:
+    """As springs press at first they rub too little: then it had no verdict."""
+    angle, blocks = (
+        np.linspace(-0.5, 0.5, 5) * np.pi,
+        [box((8.0, 3.0, 1.0), (-4, -1, -1), "ground")],
+    )
+    faces = [(0, 1, 2, 3), (7, 6, 5, 4), (0, 4, 5, 1), (1, 5, 6, 2), (2, 6, 7, 3), (3, 7, 4, 0)]
+    for inner, outer in ((2.0, 2.225), (2.225, 2.45)):
+        for a, b in itertools.pairwise(angle):
+            flat = [at(inner, a), at(inner, b), at(outer, b), at(outer, a)]
+            points = [(x, y, z) for y in (0.0, 1.0) for x, z in flat]
+            blocks.append(Block(points, faces, density=2400.0, name=f"{inner}{a:.1f}"))
+    model = as_model(Assembly(tuple(blocks), [True] + [False] * 8), friction=0.6, strength=1e6)
+    top = LoadCase.point_load(model.assembly, 7, (0.0, 0.0, -3e3))
+    assert check(model.with_load(model.load + top)).stable

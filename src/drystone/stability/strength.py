@@ -249,33 +249,55 @@ def _brought_about(model: Model, sensitive: bool, clock: Clock) -> Iterator[Carr
     """Forces that loads may bring about, which crushing lets move but friction does not jam.
 
     First those of uniform springs, of which ties pull by their strength at most. Where stone
-    crushes forces within the strength, of joints that these springs press: none rubs more than it
-    does with the forces there, or with those of the springs. Then those without any friction; only
-    these where it is ``sensitive``, as springs say nothing then.
+    crushes, those within the strength as these springs press. Then as springs press whose faces are
+    smaller, where their stress blocks did not suffice: measured, rings that are not bonded need it.
+    At last those without any friction; only these where it is ``sensitive``, as springs say nothing
+    then. Measured on 105 models at their limits: with 1 % more strength all have elastic-plastic
+    forces as well, of springs whose joints rub no more than they press with these.
     """
-    contacts, loose = model.contacts, Problem.build(model.without_crushing())
-    statics, springs = loose.statics, law.uniform(loose.statics)
+    contacts, size = model.contacts, np.ones(model.contacts.count)
+    stone = bool((contacts.crushes & ~contacts.ties).any())
     most = contacts.tie_strength[contacts.interface] * contacts.corner_share
-    if np.isfinite(most).any():
-        springs = replace(springs, most=most[loose.corners] / statics.force_unit)
+    while not (sensitive or clock.late()) and size.min(initial=1.0) > 0.0:
+        problem = Problem.build(model.with_contacts(_on_parts(contacts, size)).without_crushing())
+        yields = most[problem.corners] / problem.statics.force_unit
+        springs = replace(law.uniform(problem.statics), most=yields)
+        state = Attempt(problem, springs, clock.late).from_nothing()
+        force = _on_whole_faces(contacts, state.force, size)
+        told = force if state.stands and size.min(initial=1.0) == 1.0 else None
+        yield Carried(1.0, told, check_forces(model, force), None, state.steps)
+        use = normal_force_by_strength(contacts, np.maximum(force[:, 0], 0.0))[0]
+        use[contacts.ties] = 0.0
+        if state.stands and stone:
+            yield _as_pressed(model, force, clock)
+        if use.max(initial=0.0) <= 1.0 or not state.stands:
+            break
+        size = _smaller(contacts, force, use, size)
+    if stone:
+        yield _as_pressed(model, None, clock)
+
+
+def _as_pressed(model: Model, force: Floats | None, clock: Clock) -> Carried:
+    """Forces within the strength, of joints that others (k, 3) [N] press; of any without friction.
+
+    None of these joints rubs more than it does with either.
+    """
+    contacts, whole = model.contacts, Problem.build(model)
+    statics, corners = whole.statics, whole.corners
     normal, bears = np.zeros(statics.corner_count), np.ones(contacts.count, dtype=bool)
-    frictions = [(normal, bears)]
-    if not sensitive:
-        state = Attempt(loose, springs, clock.late).from_nothing()
-        force = state.force if state.stands else None
-        yield Carried(1.0, force, check_forces(model, state.force), None, state.steps)
-        normal = state.force[loose.corners, 0] / statics.force_unit
+    if force is not None:
+        normal = force[corners, 0] / statics.force_unit
         pressed = np.abs(normal) > ROUNDING * statics.corner_load
-        bears = np.isin(np.arange(contacts.count), contacts.interface[loose.corners][pressed])
-        frictions = [(normal, bears), *frictions] if state.stands else frictions
-    for normal, bears in frictions if (contacts.crushes & ~contacts.ties).any() else ():
-        part = Problem.build(model.with_contacts(contacts.select(bears)))
-        stays = bears[contacts.interface]
-        rubs = springs.friction.bound(np.maximum(normal, 0.0))[stays[loose.corners]]
-        found = carried(part, FrictionCone.exact(), clock.late, whether=True, rubs=rubs)
-        force = np.zeros((len(stays), 3))
-        force[stays] = 0.0 if found.force is None else found.force
-        yield replace(found, force=None if found.force is None else force)
+        bears = np.isin(np.arange(contacts.count), contacts.interface[corners][pressed])
+    stays = bears[contacts.interface]
+    rubs = law.uniform(statics).friction.bound(np.maximum(normal, 0.0))[stays[corners]]
+    part = Problem.build(model.with_contacts(contacts.select(bears)))
+    found = carried(part, FrictionCone.exact(), clock.late, whether=True, rubs=rubs)
+    if found.force is None:
+        return found
+    every = np.zeros((len(stays), 3))
+    every[stays] = found.force
+    return replace(found, force=every)
 
 
 def _with_stone_of_any_strength(model: Model) -> Model:
