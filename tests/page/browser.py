@@ -57,6 +57,8 @@ class Browser:
                 sys.executable, "-c", HAND_OVER, str(read_end), str(write_end), program,
                 "--headless=new", "--remote-debugging-pipe", "--no-sandbox",
                 "--disable-gpu", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
+                # whole pipelines: parts that are linked later took a sixth more to draw a page
+                "--disable-angle-features=supportsGraphicsPipelineLibrary",
                 "--no-first-run", "--disable-extensions", "--disable-background-networking",
                 "--disable-dev-shm-usage", "--hide-scrollbars", f"--user-data-dir={folder}",
                 # one process draws all tabs: to start another one is slow

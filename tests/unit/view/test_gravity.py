@@ -11,13 +11,13 @@ from drystone.sequence import GravityRegion, gravity_region
 from drystone.view import save_chart
 
 
-def region(stands: bool = False) -> GravityRegion:
-    return gravity_region(tower(2), directions=40, friction=0.6, stands=stands)
+@pytest.fixture(scope="module")
+def region() -> GravityRegion:
+    return gravity_region(tower(2), directions=40, friction=0.6)
 
 
-def test_every_direction_is_drawn_once() -> None:
-    found = region()
-    assert sum(len(one.x) for one in found.figure().marks) == len(found.direction)
+def test_every_direction_is_drawn_once(region: GravityRegion) -> None:
+    assert sum(len(one.x) for one in region.figure().marks) == len(region.direction)
 
 
 def test_straight_down_lies_in_the_middle_and_straight_up_at_the_rim() -> None:
@@ -29,7 +29,7 @@ def test_straight_down_lies_in_the_middle_and_straight_up_at_the_rim() -> None:
 
 
 def test_what_only_prestress_holds_has_its_own_colour() -> None:
-    found = region(stands=True)
+    found = gravity_region(tower(2), directions=40, friction=0.6, stands=True)
     prestressed = GravityRegion(
         found.model, found.direction, found.frictionless, found.balanced, found.frictionless
     )
@@ -39,9 +39,9 @@ def test_what_only_prestress_holds_has_its_own_colour() -> None:
 
 
 @pytest.mark.parametrize("suffix", ["png", "svg"])
-def test_the_chart_is_written(tmp_path: Path, suffix: str) -> None:
+def test_the_chart_is_written(tmp_path: Path, suffix: str, region: GravityRegion) -> None:
     path = tmp_path / f"gravity.{suffix}"
-    save_chart(region().figure(), path, title="tower")
+    save_chart(region.figure(), path, title="tower")
     assert path.stat().st_size > 1000
 
 
