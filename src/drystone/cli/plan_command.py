@@ -436,14 +436,14 @@ def plan(
     kept = [waiting.left()] if found.stopped and checkpoint is not None else []
     return Told(
         found, {key: one for key, one in also.items() if one is not None},
-        notes=[*model.notes, *found.notes, *_again(found, margins), *kept],
+        notes=[*model.notes, *found.notes, *_again(found, margins, made), *kept],
         files=partial(wanted.all_of, found, made, measured, robot),
         into=wanted.stages if found.steps else None,
         then=_next(subject, found.complete, found),
     )  # fmt: skip
 
 
-def _again(plan: Plan, margins: bool) -> list[str]:
+def _again(plan: Plan, margins: bool, made: object) -> list[str]:
     """The order of a plan of few blocks, to be given again, its reserve; and what saves props."""
     if plan.impossible or not plan.steps:
         return []
@@ -451,9 +451,12 @@ def _again(plan: Plan, margins: bool) -> list[str]:
     said = [] if margins or not plan.stable else [_RESERVE]
     said += [f"this order: --order {names}"] if len(plan.order) <= _LISTED else []
     if plan.counts["propped"]:
-        more = f"--hands {plan.rules.hands + 1} gives one more hand, "
-        ways = f"{'' if plan.rules.robots else more}--scaffold strut asks for real ones"
-        said.append(f"props: {ways}, drystone recut may change joints so that none is needed")
+        ways = [
+            f"--hands {plan.rules.hands + 1} gives one more hand" if not plan.rules.robots else "",
+            "--scaffold strut asks for real ones" if made is None else "",
+            "drystone recut may change joints so that none is needed",
+        ]
+        said.append(f"props: {', '.join(filter(None, ways))}")
     return said
 
 

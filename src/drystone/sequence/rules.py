@@ -234,7 +234,7 @@ def too_heavy(rules: Rules, model: StagedModel, blocks: Sequence[int]) -> str:
             robot.payload for robot in rules.robots for b in blocks
             if robot.distance(model.assembly.centroid[b]) <= robot.reach
         ]  # fmt: skip
-        remedy = f"give a robot of {rounded_up(mass):g} kg that reaches them"
+        remedy = f"give a robot with a payload of {rounded_up(mass):g} kg that reaches them"
         return f"payload {max(near):g} kg: {said}; {remedy}"
     each = f"give a payload of {rounded_up(mass / rules.hands):g} kg"
     needed = int(strength(rules, model)[0][list(blocks)].max())

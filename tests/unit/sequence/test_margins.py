@@ -43,7 +43,7 @@ def test_each_stage_of_a_stack_tilts_to_its_closed_form(stack):
 def test_the_stage_is_told_that_needs_more_friction_than_the_whole(stack):
     whole = Margin(0.0078, 30.0)
     told = Margins(stack, (whole, Margin(0.4063, 9.0), whole)).sentences()[-1].text
-    assert told == "step 2 needs more friction than the complete structure, 0.0078"
+    assert told == "step 2 needs more friction than the complete structure, which needs 0.0078"
     even = Margins(stack, (whole, Margin(0.0156, 9.0), whole)).sentences()[-1].text
     assert even.startswith("found to")
 
