@@ -112,7 +112,9 @@ class Margins(Answer):
         if not need or not need[-1] + self.widths[0] < self.least_friction:
             return []
         step, whole = need.index(self.least_friction) + 1, rounded_up(need[-1])
-        return [f"step {step} needs more friction than the complete structure, which needs {whole:g}"]
+        return [
+            f"step {step} needs more friction than the complete structure, which needs {whole:g}"
+        ]
 
     def tables(self) -> Sequence[Table]:
         """The margins of every stage."""
