@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -82,6 +82,9 @@ class Contacts(OneLine):
         Interface of each corner, ascending.
     capacity
         What joints carry beyond friction; ``None`` where all are dry.
+    rod : (m,) [m], optional
+        Length of each tie, from its corners on block b along n to its end on block a. Zero of
+        others, and of what fill resists.
 
     Examples
     --------
@@ -100,6 +103,7 @@ class Contacts(OneLine):
     point: Floats
     interface: Ints
     capacity: JointCapacity | None = None
+    rod: Floats = field(default_factory=lambda: np.zeros(0))
 
     def __post_init__(self) -> None:
         block_a = frozen_ints(self.block_a, (None,), "block_a")
@@ -112,6 +116,7 @@ class Contacts(OneLine):
             "friction": check_friction(self.friction, m),
             "point": frozen_points(self.point, (None, 3), "point"),
             "interface": frozen_ints(self.interface, (None,), "interface"),
+            "rod": frozen_floats(self.rod if len(self.rod) else np.zeros(m), (m,), "rod"),
         }
         interface = checked["interface"]
         if len(interface) != len(checked["point"]):
@@ -379,6 +384,7 @@ class Contacts(OneLine):
             np.concatenate(point),
             corners.owner,
             None if self.capacity is None else self.capacity.summed(self.joint),
+            self.rod[first],
         )
 
     def polygon(self, interface: int) -> Floats:
@@ -430,6 +436,7 @@ class Contacts(OneLine):
             "frame": self.frame[mask],
             "area": self.area[mask],
             "friction": self.friction[mask],
+            "rod": self.rod[mask],
             "point": self.point[keep],
             "interface": (np.cumsum(mask) - 1)[self.interface[keep]],
             "tributary": self.tributary[keep],
@@ -498,6 +505,7 @@ def joined_contacts(one: Contacts, other: Contacts) -> Contacts:
         both("point"),
         np.concatenate([one.interface, other.interface + one.count]),
         _joined_capacity(one, other),
+        both("rod"),
     )
 
 

@@ -69,6 +69,7 @@ def tied(
         np.zeros(1),
         start + square @ frame[0, 1:],
         np.zeros(4, dtype=np.intp),
+        rod=np.array([0.0 if fill else length]),
     )
     if strength < NO_LIMIT or model.contacts.capacity is not None:
         whole = strength / point**2 if strength < NO_LIMIT else NO_LIMIT

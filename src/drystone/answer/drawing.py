@@ -202,7 +202,8 @@ def tie_layer(
         words = f"{'a tie' if ties.size == 1 else 'ties'}{limit}"
     start, along = contacts.centroid[ties], contacts.frame[ties, 0]
     away = dot(assembly.centroid[contacts.block_a[ties]] - start, along)
-    far = np.where(away > 0.0, away, assembly.size[contacts.block_b[ties]])[:, None] * along
+    far = np.where(away > 0.0, away, assembly.size[contacts.block_b[ties]])
+    far = np.where(contacts.rod[ties] > 0.0, contacts.rod[ties], far)[:, None] * along
     return (
         Layer(
             "tie-forces", words, LayerKind.LINES, "added", start + far, -far,

@@ -147,7 +147,7 @@ def _extras(top: Field, assembly: Assembly) -> Extras:
 
 
 def _contacts(field: Field, assembly: Assembly) -> Contacts:
-    field.only((*CONTACTS, *DRY, "brittle"))
+    field.only((*CONTACTS, *DRY, "brittle", "rod"))
     block_a, block_b = field["block_a"].integers(None), field["block_b"].integers(None)
     m = len(block_a)
     for side, values in (("block_a", block_a), ("block_b", block_b)):
@@ -164,6 +164,7 @@ def _contacts(field: Field, assembly: Assembly) -> Contacts:
             field["point"].floats(None, 3),
             field["interface"].integers(None),
             _capacity(field, m),
+            field["rod"].floats(m) if field.has("rod") else np.zeros(0),
         )
     except FormatError:
         raise

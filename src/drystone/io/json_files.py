@@ -97,6 +97,7 @@ def detection_content(model: Contents) -> dict[str, Any] | None:
 def contacts_content(contacts: Contacts, decimals: int | None = None) -> dict[str, Any]:
     """Contacts as plain values, rounded where so many ``decimals`` are enough."""
     content = {name: getattr(contacts, name) for name in CONTACTS}
+    content |= {"rod": contacts.rod} if contacts.rod.any() else {}
     if contacts.capacity is not None:
         content |= {name: getattr(contacts.capacity, name) for name in DRY}
     if decimals is not None:

@@ -72,7 +72,8 @@ class Bodies:
     size : (n,) cube root of the volume
     block_a, block_b : (k,) positions of the blocks: the corner slides over the face of a
     turned : (k,) whether these are b and a of the interface, see :mod:`.roles`
-    arm_a, arm_b : (k, 3) from the centroid to the corner, before the motion
+    arm_a, arm_b : (k, 3) from the centroid to the corner, or to the end of a tie, before the motion
+    rod : (k,) length of ties; zero of other corners
     frame : (k, 3, 3) rows n, u, v, before the motion
     ends : where the corners are when blocks slide
     friction : (k,)
@@ -99,6 +100,7 @@ class Bodies:
     turned: Bools
     arm_a: Floats
     arm_b: Floats
+    rod: Floats
     frame: Floats
     ends: Ends
     friction: Floats
@@ -150,6 +152,11 @@ class Bodies:
     def rails(self) -> Rails:
         """On which the corners slide."""
         return Rails.of(self.ends)
+
+    @cached_property
+    def rods(self) -> Ints:
+        """The corners of ties."""
+        return np.flatnonzero(self.rod)
 
     @cached_property
     def both(self) -> Ints:
@@ -211,10 +218,12 @@ def build_bodies(
     mass = np.tile(np.eye(6), (len(free), 1, 1))
     mass[:, 3:, 3:] = turning[free]
     mass *= (assembly.mass[free] / assembly.mass[free].mean())[:, None, None]
-    away = np.zeros((len(point), 2)) if gap is None else gap
+    rod = contacts.rod[joint] / length
+    away = np.zeros((len(point), 2)) if gap is None else np.where(rod[:, None] > 0.0, 0.0, gap)
     ends = as_turned(joint_ends(assembly, contacts, carrier, away), turned)
     away = np.where(turned[:, None], away[:, ::-1], away)
     frame = contacts.frame[joint]
+    far, back = rod[:, None] * frame[:, 0], turned[:, None]
     frame = np.where(turned[:, None, None], TURNED[:, None] * frame, frame)
     n = frame[:, 0]
     of_face = contacts.area[joint] * contacts.corner_share
@@ -238,8 +247,9 @@ def build_bodies(
         block_a=a,
         block_b=b,
         turned=turned,
-        arm_a=point - away[:, :1] / length * n - centroid[a],
-        arm_b=point + away[:, 1:] / length * n - centroid[b],
+        arm_a=point + np.where(back, 0.0, far) - away[:, :1] / length * n - centroid[a],
+        arm_b=point + np.where(back, far, 0.0) + away[:, 1:] / length * n - centroid[b],
+        rod=rod,
         frame=frame,
         ends=ends._replace(
             reach=ends.reach / length, place=ends.place / length, drawn=ends.drawn / length
@@ -368,7 +378,8 @@ def place_corners(bodies: Bodies, pose: BlockPositions) -> Placed:
     """Corners on the moved faces.
 
     The corner slides over the face of a by x(s), where s is the slide of b; the gap is that of the
-    face of b there. A corner that is no longer on both faces is out of reach.
+    face of b there. A corner that is no longer on both faces is out of reach. A tie acts from end
+    to end, each of which stays on its block.
     """
     # with the corner as the last index sums over k take a fifth of the time of matrix products
     turn = pose.turn.transpose(1, 2, 0).take(bodies.both, axis=-1)
@@ -386,9 +397,14 @@ def place_corners(bodies: Bodies, pose: BlockPositions) -> Placed:
     gap = normal[0] * apart[0] + lean[0] * left[0] + lean[1] * left[1]
     normal[1:] -= np.einsum("ik,kij->jk", lean, tangent)
     point = on_a + np.einsum("ik,ijk->jk", carried, frame[1:])
+    gap, rods = np.where(on, gap, OUT_OF_REACH), bodies.rods
+    if len(rods):
+        normal[:, rods] = -apart[:, rods]
+        gap[rods] = bodies.rod[rods] - lengths(apart[:, rods].T)
+        point[:, rods] = on_a[:, rods] + there[0][:, rods]
     axes = _product(frame.swapaxes(0, 1), _inclined(normal))
     last = np.ascontiguousarray(point.T), np.ascontiguousarray(axes.transpose(2, 0, 1))
-    return Placed(*last, np.where(on, gap, OUT_OF_REACH))
+    return Placed(*last, gap)
 
 
 def _product(matrix: Floats, vectors: Floats) -> Floats:

@@ -261,7 +261,9 @@ def joint_ends(assembly: Assembly, contacts: Contacts, carrier: Carrier, gap: Fl
     both = np.where(edges_of.fitted, edges_of.bend[1] > 0.0, both)
     share = np.where(of_b & ~of_a, 1.0, np.where(of_a & ~of_b, 0.0, both))
     outward, reach = edges_of.outward, edges_of.reach
-    flush = (of_a == of_b) & (far != 0.0)[joint] & ~edges_of.fitted
+    rods = (contacts.rod > 0.0)[joint]  # each end stays on its block
+    share = np.where(rods, 0.5, share)
+    flush = (of_a == of_b) & (far != 0.0)[joint] & ~edges_of.fitted & ~rods
     drawn = np.where(flush, 0.0, reach)
     if carrier is Carrier.EXACT:
         reach = drawn

@@ -423,6 +423,7 @@ def pulls_of(model: Model, part: Ints, motion: Floats) -> list[tuple[str, Floats
         if not np.isfinite(strength):
             remedy = "give it one: --tie BLOCK:BLOCK:20kN"
             raise InputError(f"the tie of '{name}' has no strength", where="part", remedy=remedy)
-        pull = strength * contacts.frame[i, 0]
-        found.append((name, contacts.centroid[i], pull if inside[1] else -pull))
+        along, here = contacts.frame[i, 0], contacts.centroid[i]
+        there, pull = here + contacts.rod[i] * along, strength * along
+        found.append((name, here, pull) if inside[1] else (name, there, -pull))
     return found
