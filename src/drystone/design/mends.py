@@ -142,6 +142,11 @@ _TIED = (
     "less: give its strength, as --tie A:B:20kN, and check it"
 )
 
+_GLUED = (
+    "glue keeps its pull and its cohesion while joints move (ductile): mortar as strong that is "
+    "brittle may crack, check it with --joint-capacity"
+)
+
 _ORDER = (
     "listed by cost; behind are those that jam, last those that stand only after settling or do "
     "not carry the train at all places"
@@ -355,6 +360,8 @@ class Mends(Answer):
             built.append(Sentence(_ORDER, Role.REMARK))
         tied = any(one.change.kind == "tie" for one in self.mends)
         built += [Sentence(_TIED, Role.REMARK)] * tied
+        glued = any(one.change.kind == "glue" for one in self.mends)
+        built += [Sentence(_GLUED, Role.REMARK)] * glued
         said = [verdict, Sentence(self.message), *mends, *built, *failed, *reasons]
         return [one for one in said if one.text]
 

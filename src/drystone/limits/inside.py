@@ -160,9 +160,12 @@ def searched(
             known = Bracket(falls=start if at.falls else None, falling=at)
         found = {"rest": FoundBracket(known, (), ())}
         if last is not None:
-            far = abs(last - start)
+            far, within = abs(last - start), outer
             first.results = {v: r for v, r in first.results.items() if abs(v - start) <= far}
-            found = _inside(family, (start, last), outer, width, means, first)
+            own = means.check if outer.falls is not None else None
+            if own is not None and STANDS[own(family(outer.falls)).verdict]:
+                last, within = end, Bracket()  # it allows more than the cone of the options
+            found = _inside(family, (start, last), within, width, means, first)
     means.tell("done", 3)
     rest = found.get("rest")
     if rest is not None and rest.bracket.falls == start and outer.stands is not None:

@@ -229,7 +229,9 @@ def test_glue_has_the_strength_that_the_moment_asks_for(tmp_path: Path) -> None:
 
 def test_a_thin_arch_is_glued_in_the_joints_that_pull(tmp_path: Path) -> None:
     model = Model.of(arch(0.06, voussoirs=6), friction=0.5)
-    (found,) = find_mends(model, options=MendOptions(kinds=("glue",))).mends
+    mends = find_mends(model, options=MendOptions(kinds=("glue",)))
+    (found,) = mends.mends
+    assert any("brittle may crack" in one.text for one in mends.sentences())
     assert found.change.joints == 5
     assert found.change.description.startswith("glue in the 5 joints that pull, each of which")
     assert again(found.model, tmp_path).stable

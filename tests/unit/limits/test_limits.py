@@ -7,6 +7,7 @@ import re
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -57,6 +58,7 @@ from drystone.models import (
     wall,
     wedge,
 )
+from drystone.programs import FrictionCone, RBEOptions
 from drystone.report import assess
 from drystone.virtual import joint_sections
 from tests.oracle import touching_faces
@@ -571,6 +573,17 @@ def test_a_finer_bracket_keeps_the_islands_that_were_found_beyond_it() -> None:
     assert limit.best.stands == pytest.approx(0.3, rel=2e-4)
     assert limit.islands == ((pytest.approx(2000.0 / 3.0), 1000.0),)
     assert limit.evaluations[-1].value == 1000.0
+
+
+def test_a_check_that_allows_more_than_the_exact_cone_is_asked_beyond_its_limit() -> None:
+    """The octagon of friction of a published wedge, which the exact cone lets fall at 13.1."""
+    octagon = FrictionCone.octagon()
+    ask = partial(solve_rbe, options=RBEOptions(cone=octagon))
+    model = Model.of(wedge("d"), friction=0.2)
+    both = LimitOptions(cone=octagon, equilibrium_only=True)
+    own, known = limit_tilt(model, "x", check=ask), limit_tilt(model, "x", options=both)
+    assert own.stands == pytest.approx(known.stands, abs=0.05)
+    assert own.falls == pytest.approx(known.falls, abs=0.05)
 
 
 def test_what_stands_to_the_end_for_every_stiffness_is_not_sensitive() -> None:
