@@ -162,8 +162,8 @@ def searched(
         if last is not None:
             far, within = abs(last - start), outer
             first.results = {v: r for v, r in first.results.items() if abs(v - start) <= far}
-            own = means.check if outer.falls is not None else None
-            if own is not None and STANDS[own(family(outer.falls)).verdict]:
+            own, falls = means.check, outer.falls
+            if own is not None and falls is not None and STANDS[own(family(falls)).verdict]:
                 last, within = end, Bracket()  # it allows more than the cone of the options
             found = _inside(family, (start, last), within, width, means, first)
     means.tell("done", 3)
