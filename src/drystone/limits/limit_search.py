@@ -179,7 +179,9 @@ class VerdictSearch:
             if held and beyond is not None and beyond.closes(near, closing * width.at(near)):
                 return self.so_far(start, beyond)
             if held is not False:
-                self._walk(far, end, width.at(far), False)
+                last = beyond if closing else None
+                proven = last is not None and last.closes(end, width.at(end))
+                self._walk(far, end, width.at(far), False, proven)
             return self._closed(span, width, beyond, both=not closing)
         except Stopped:
             return self.so_far(start, beyond)
@@ -196,11 +198,18 @@ class VerdictSearch:
         tried = sorted(self.results, key=lambda value: abs(value - start))
         return tried, [self.meaning[self.results[value].verdict] for value in tried]
 
-    def _walk(self, guess: float, towards: float, step: float, stands: bool) -> None:
-        """Growing steps from a guess to the first value that stands, or that falls."""
+    def _walk(
+        self, guess: float, towards: float, step: float, stands: bool, proven: bool = False
+    ) -> None:
+        """Growing steps from a guess to the first value that stands, or that falls.
+
+        From an undecided value none leads to the end where it falls just beyond: ``proven``.
+        """
         here = guess
         while self.stands(here) is not stands and here != towards:
             left = towards - here
+            if abs(left) <= step and proven and self.stands(here) is None:
+                return
             here = towards if abs(left) <= step else here + float(np.copysign(step, left))
             step *= _GROWTH
 

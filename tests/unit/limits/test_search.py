@@ -156,6 +156,14 @@ def test_a_scan_begins_each_value_in_line_with_the_two_before_it() -> None:
     assert begun == pytest.approx({0.0: None, 0.25: 1.0, 0.5: -0.5, 0.75: -1.25, 1.0: -2.0})
 
 
+def test_next_to_a_proof_of_falling_nothing_is_tried_after_an_undecided_value() -> None:
+    search = VerdictSearch(Given(), Steps((0.3,), (S, D)))
+    proof = Bracket(falls=1.005)
+    found = search.around(0.3, 0.31, (0.0, 1.0), width=W(0.01), beyond=proof, closing=2.0)
+    assert (found.bracket.stands, found.bracket.falls) == (0.3, 1.005)
+    assert max(search.results) < 0.6
+
+
 def test_a_stopped_search_tells_what_was_tried_by_then() -> None:
     proof = Bracket(falls=1.01)
     widths = []
