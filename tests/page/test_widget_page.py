@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,8 @@ from drystone.models import arch
 from drystone.view import interact, notebook
 from tests.page.browser import Browser, Tab
 
-pytest.importorskip("anywidget", reason="no anywidget, the extra 'notebook'")
+if find_spec("anywidget") is None:  # slow to import
+    pytest.skip("no anywidget, the extra 'notebook'", allow_module_level=True)
 MODEL = drystone.Model.of(arch(0.2, 8), friction=0.7)
 SYNCED = ("page", "height", "sliders", "values", "names", "picked", "picked_joint", "trouble")
 

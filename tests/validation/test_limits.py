@@ -1,6 +1,6 @@
 """Limits against closed forms and published figures."""
 
-from functools import partial
+from functools import cache, partial
 
 import numpy as np
 import pytest
@@ -40,6 +40,12 @@ BOUND = LimitOptions(equilibrium_only=True)
 QUICK = LimitOptions(scan=2, width=0.01)
 FINE = LimitOptions(scan=2, width=1e-3)
 WEIGHT = 2400.0 * 9.81
+
+
+@cache
+def joined(blocks: Assembly) -> Contacts:
+    """Their joints."""
+    return touching_faces(blocks, 0.6)
 
 
 def both(limit: Limit, width: float) -> tuple[float, float]:
@@ -190,20 +196,19 @@ def test_tilt_of_the_semicircular_arch(angle: float, expected: float) -> None:
 
 
 BUTTRESSED = buttressed_arch()
-BUTTRESSED_JOINTS = touching_faces(BUTTRESSED, 0.6)
 
 
 def test_least_friction_and_tilt_of_the_buttressed_arch() -> None:
     # Whiting et al. 2009: 0.31 and 12 degrees
-    friction = limit_friction(Model(BUTTRESSED, BUTTRESSED_JOINTS), options=BOUND)
+    friction = limit_friction(Model(BUTTRESSED, joined(BUTTRESSED)), options=BOUND)
     assert friction.equilibrium.value == pytest.approx(0.309, abs=2e-3)
-    tilt = limit_tilt(Model(BUTTRESSED, BUTTRESSED_JOINTS), "y", options=BOUND)
+    tilt = limit_tilt(Model(BUTTRESSED, joined(BUTTRESSED)), "y", options=BOUND)
     assert tilt.equilibrium.value == pytest.approx(12.1, abs=0.1)
 
 
 def beside(block: str) -> np.ndarray:
     i = BUTTRESSED.index(block)
-    joints = BUTTRESSED_JOINTS
+    joints = joined(BUTTRESSED)
     return np.flatnonzero((joints.block_a == i) | (joints.block_b == i))
 
 
@@ -215,26 +220,26 @@ def crown_thrust(contacts: Contacts) -> float:
 
 def test_a_smaller_joint_at_the_keystone_raises_the_thrust() -> None:
     key = beside("voussoir-07")
-    full, half, none = (crown_thrust(shrink(BUTTRESSED_JOINTS, f, key)) for f in (1.0, 0.5, 0.0))
+    full, half, none = (crown_thrust(shrink(joined(BUTTRESSED), f, key)) for f in (1.0, 0.5, 0.0))
     assert full < half < none
 
 
 def test_the_least_thrust_stands_at_the_extrados_of_the_crown() -> None:
     key = beside("voussoir-07")
     up = thrust_bounds(
-        Model(BUTTRESSED, shift(BUTTRESSED_JOINTS, (0.0, 0.0, 1.0), 0.0, key)),
+        Model(BUTTRESSED, shift(joined(BUTTRESSED), (0.0, 0.0, 1.0), 0.0, key)),
         "right-0",
         (1.0, 0, 0),
     )
-    free = thrust_bounds(Model(BUTTRESSED, BUTTRESSED_JOINTS), "right-0", (1.0, 0, 0))
+    free = thrust_bounds(Model(BUTTRESSED, joined(BUTTRESSED)), "right-0", (1.0, 0, 0))
     assert up.least == pytest.approx(free.least, rel=1e-5)
     assert up.most < free.most
 
 
 def test_the_crown_of_the_buttressed_arch_leaves_its_kern() -> None:
-    table = solve_rbe(Model(BUTTRESSED, BUTTRESSED_JOINTS)).joints()
+    table = solve_rbe(Model(BUTTRESSED, joined(BUTTRESSED))).joints()
     assert (table["kern_ratio"][beside("voussoir-07")] > 1.0).all()
-    fitted = solve_rbe(Model(BUTTRESSED, to_kern(BUTTRESSED_JOINTS)))
+    fitted = solve_rbe(Model(BUTTRESSED, to_kern(joined(BUTTRESSED))))
     assert fitted.verdict is Verdict.UNSTABLE
     assert fitted.tension is not None
     pull = np.bincount(fitted.contacts.interface, fitted.tension)
@@ -246,7 +251,7 @@ def test_quadratic_and_linear_resultants_of_the_buttressed_arch_differ_a_little(
     friction: float, alike: bool
 ) -> None:
     # where friction leaves the least thrust free, both choose it and agree
-    joints = BUTTRESSED_JOINTS.with_friction(friction)
+    joints = joined(BUTTRESSED).with_friction(friction)
     quadratic = solve_rbe(Model(BUTTRESSED, joints)).resultants
     options = RBEOptions(objective=Objective.LINEAR)
     linear = solve_rbe(Model(BUTTRESSED, joints), options=options).resultants
@@ -256,15 +261,14 @@ def test_quadratic_and_linear_resultants_of_the_buttressed_arch_differ_a_little(
 
 
 DOME = dome()
-DOME_JOINTS = touching_faces(DOME, 0.6)
 
 
 def test_tilt_of_the_dome_with_the_pyramid_of_the_source_and_with_the_cone() -> None:
     # Kao et al. 2022: 32 degrees, with a pyramid that grants up to 8.2 % more friction
     loose = LimitOptions(equilibrium_only=True, width=0.1, cone=FrictionCone.octagon())
-    pyramid = limit_tilt(Model(DOME, DOME_JOINTS), "y", options=loose).equilibrium.value
+    pyramid = limit_tilt(Model(DOME, joined(DOME)), "y", options=loose).equilibrium.value
     tight = LimitOptions(equilibrium_only=True, width=0.1)
-    exact = limit_tilt(Model(DOME, DOME_JOINTS), "y", options=tight).equilibrium.value
+    exact = limit_tilt(Model(DOME, joined(DOME)), "y", options=tight).equilibrium.value
     assert pyramid == pytest.approx(32.0, abs=1.0)
     assert exact is not None
     assert pyramid is not None
@@ -273,10 +277,10 @@ def test_tilt_of_the_dome_with_the_pyramid_of_the_source_and_with_the_cone() -> 
 
 def test_hoops_of_the_dome_are_idle_below_and_alike_all_around() -> None:
     ring = np.array([int(name[1:3]) for name in DOME.names])
-    row = ring[DOME_JOINTS.block_a]
-    hoop = row == ring[DOME_JOINTS.block_b]
-    quadratic = solve_rbe(Model(DOME, DOME_JOINTS)).resultants.normal
-    linear = solve_rbe(Model(DOME, DOME_JOINTS), options=RBEOptions(objective=Objective.LINEAR))
+    row = ring[joined(DOME).block_a]
+    hoop = row == ring[joined(DOME).block_b]
+    quadratic = solve_rbe(Model(DOME, joined(DOME))).resultants.normal
+    linear = solve_rbe(Model(DOME, joined(DOME)), options=RBEOptions(objective=Objective.LINEAR))
     largest = quadratic.max()
     assert quadratic[hoop & (row < 3)].max() < 1e-6 * largest
     assert quadratic[hoop & (row > 6)].min() > 1e-2 * largest
