@@ -166,9 +166,7 @@ def within_strength(
     model = problem.model
     found = decide(model.without_crushing())
     crushes = found.model.with_contacts(model.contacts.carried_to(found.contacts))
-    found = replace(found, model=crushes)
-    if found.stable and (found.sensitive or found.options.samples):
-        found = replace(found, message=f"{found.message} without a limit of strength, one within")
+    found = replace(found, model=crushes, message=_with_what_was_tried(found))
     if found.falls:
         return found
     if found.force is not None:
@@ -193,6 +191,12 @@ def within_strength(
         found, model=model, force=most.force, displacement=None, residuals=most.residuals
     )
     return _where_it_yields(found, kept, problem, clock, settlement)
+
+
+def _with_what_was_tried(found: Result) -> str:
+    """The words of a verdict without limits of strength, that tell so where stiffnesses count."""
+    counts = found.stable and (found.sensitive or found.options.samples)
+    return f"{found.message} without a limit of strength, one within" if counts else found.message
 
 
 def _where_it_yields(
@@ -255,10 +259,10 @@ def _brought_about(model: Model, sensitive: bool, clock: Clock) -> Iterator[Carr
     then. Measured on 105 models at their limits: with 1 % more strength all have elastic-plastic
     forces as well, of springs whose joints rub no more than they press with these.
     """
-    contacts, size = model.contacts, np.ones(model.contacts.count)
+    contacts, size = model.contacts, np.full(model.contacts.count, 0.0 if sensitive else 1.0)
     stone = bool((contacts.crushes & ~contacts.ties).any())
     most = contacts.tie_strength[contacts.interface] * contacts.corner_share
-    while not (sensitive or clock.late()) and size.min(initial=1.0) > 0.0:
+    while size.min(initial=1.0) > 0.0 and not clock.late():
         problem = Problem.build(model.with_contacts(_on_parts(contacts, size)).without_crushing())
         yields = most[problem.corners] / problem.statics.force_unit
         springs = replace(law.uniform(problem.statics), most=yields)
