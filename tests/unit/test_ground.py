@@ -730,6 +730,8 @@ def test_pressures_on_the_same_faces_are_added_in_their_picture() -> None:
         ("earth:side=-x,weight=18kN/m3,k=-1", "load earth: k: is -1"),
         ("earth:side=z,weight=18kN/m3,k=0.3", "side is 'z'"),
         ("earth:side=-x,weight=18kN/m3,k=0.3,top=-1m", "is below the wall"),
+        ("earth:side=-x,weight=18kN/m3,k=0.3,top=300", "its top, 300 m, .* as 300mm"),
+        ("earth:side=-x,weight=18kN/m3,k=0.3,water=1500", "its water, 1500 m, .* as 1500mm"),
         ("earth:side=-x,weight=8kN/m3,k=0.3,water=1m", "less than the water in it"),
         (
             "earth:side=-x,weight=18kN/m3,k=0.3,water=-1m",

@@ -36,6 +36,8 @@ _GRAZED = math.tan(math.radians(80.0))
 """Slope of a face across the line of sight. Chosen: a splayed wing wall has less."""
 _WATER = 9810.0
 """[N/m3]"""
+_FAR = 10.0
+"""Times the height of a model above a wall at which a level is refused: millimetres as metres."""
 
 
 @dataclass(frozen=True)
@@ -141,12 +143,17 @@ class Earth(Options):
                 f"all that it touches, {who}, is fixed: a load on it changes nothing",
                 where="earth", remedy="name free blocks, or leave out 'blocks'; see 'side'",
             )  # fmt: skip
-        lowest = float(strips.t.min())
+        lowest, high = float(strips.t.min()), float(strips.t.max())
         for what, level in (("top", top), ("water", self.water)):
             if level is not None and (level < lowest or (level == lowest and what == "top")):
                 raise InputError(
                     f"its {what}, {level:g} m, is below the wall", where="earth",
                     remedy=f"give a level above {lowest:g} m, not a height, or leave it out",
+                )  # fmt: skip
+            if level is not None and level - high > _FAR * np.ptp(assembly.bounds[..., 2]):
+                raise InputError(
+                    f"its {what}, {level:g} m, is {level - high:.4g} m above the wall",
+                    where="earth", remedy=f"give a level in m, or its unit, as {level:g}mm",
                 )  # fmt: skip
         if self.water is not None and 0.0 < self.weight < _WATER:
             raise InputError(
@@ -189,7 +196,7 @@ class Earth(Options):
         notes: tuple[str, ...] = (f"{note}10 degrees, square to them",) if ends else ()
         if self.water is not None:
             free = strips.chosen(~assembly.fixed[strips.block])
-            foot, high = float(free.t.min()), float(strips.t.max())
+            foot = float(free.t.min())
             near = SAME * float(np.abs(strips.t).max())
             if (head := self.water - foot) > near:
                 under = free.block[free.t.min(axis=1) <= foot + near].min()
