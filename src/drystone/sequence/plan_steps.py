@@ -12,9 +12,9 @@ from functools import cached_property, partial
 
 import numpy as np
 
-from drystone.base.arrays import Floats, Ints
+from drystone.base.arrays import Floats, Ints, whole
 from drystone.base.display import OneLine, named
-from drystone.base.errors import counted
+from drystone.base.errors import InputError, counted
 from drystone.model import Model
 from drystone.results import Result, Verdict
 from drystone.sequence.evaluation import Evaluator
@@ -248,8 +248,20 @@ class PlannedSteps:
         return [*stands, False].index(False)
 
     def stage(self, number: int) -> Model:
-        """The blocks in place after a step, counted from 0; those that are propped are supports."""
-        step = self.steps[number]
+        """The blocks in place after a step; those that are propped are supports.
+
+        Steps are counted from 0; negative numbers count from the end.
+
+        Raises
+        ------
+        InputError
+            There is no such step.
+        """
+        i, most = whole(number, "the number of a step"), len(self.steps)
+        if not -most <= i < most:
+            remedy = f"they are counted from 0 to {most - 1}" if most else "the plan has none"
+            raise InputError(f"there is no step {i}", remedy=remedy)
+        step = self.steps[i]
         return self.model.cut_out(Stage(step.placed, mask_of(step.props)))[0]
 
     @cached_property

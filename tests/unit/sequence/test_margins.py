@@ -5,6 +5,7 @@ import pytest
 
 from drystone.answer import State
 from drystone.assembly import Assembly
+from drystone.base.errors import InputError
 from drystone.detection import find_contacts
 from drystone.limits import LimitOptions, tilt_sweep
 from drystone.model import Model
@@ -66,6 +67,9 @@ def test_directions_are_searched_below_the_least_tilt_that_is_known() -> None:
         least = min(each.best.stands or 0.0 for each in sweep.limits)
         assert one.tilt == pytest.approx(least, abs=0.5)
     assert mine < 0.9 * (len(asked) - mine)
+    assert len(order.stage(-1).assembly) == len(order.model.assembly)
+    with pytest.raises(InputError, match="no step 9; they are counted from 0 to"):
+        order.stage(9)
 
 
 def test_a_stage_that_floats_stands_at_no_friction_and_no_tilt():
