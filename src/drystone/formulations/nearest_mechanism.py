@@ -209,7 +209,7 @@ class NearestMechanism:
 
 
 def nearest_mechanism(
-    statics: Statics, *, stop: Callable[[], bool] | None = None, near: float = NEAR
+    statics: Statics, *, stop: Callable[[], bool] | None = None
 ) -> NearestMechanism:
     """The mechanism nearest to free fall, or forces that balance the loads, for dry joints.
 
@@ -218,18 +218,16 @@ def nearest_mechanism(
     statics
     stop
         Called before every step; True ends the iteration with what it has found.
-    near
-        Duality gap, by the power of the loads, at which a mechanism is near enough.
     """
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        return _Iteration(statics, near).run(stop)
+        return _Iteration(statics).run(stop)
 
 
 class _Iteration:
     """The present point of the iteration."""
 
-    def __init__(self, statics: Statics, near: float) -> None:
-        self.statics, self.near = statics, near
+    def __init__(self, statics: Statics) -> None:
+        self.statics = statics
         self.mass, self.load = statics.mass_matrix, statics.load
         self.scale = np.ones((statics.corner_count, 3))
         self.scale[:, 1:] = statics.friction[:, None]
@@ -264,7 +262,7 @@ class _Iteration:
         if better is not None:
             self.found = better
         known = self.found is not None
-        near = self.gap() <= (self.near if known else EXACT) * power
+        near = self.gap() <= (NEAR if known else EXACT) * power
         return near or (before and better is None) or (not known and self.left() <= BALANCED)
 
     def balance(self) -> bool:
@@ -301,7 +299,7 @@ class _Iteration:
         self.part = 0.1 * gap / power
         if moving.all() or not moving.any():
             return False
-        alone = _Iteration(self.statics.with_free(moving), self.near).run(stop)
+        alone = _Iteration(self.statics.with_free(moving)).run(stop)
         self.of_parts += alone.iterations
         if alone.motion is None:
             return False

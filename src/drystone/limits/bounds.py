@@ -55,12 +55,6 @@ _STEPS = 100
 without one, whatever their number."""
 
 
-_NEAR = 1e-2
-"""Duality gap, by the power of the loads, at which a mechanism leads to the next friction. Measured
-on vaults and domes of 412 to 2,070 blocks: to the same one but a tenth of the width, and near the
-limit in 10 to 18 steps, where 1e-4 takes 13 to 22."""
-
-
 def balanced(
     model: Model, force: Floats, raw: ConicSolution, message: str, mechanism: Floats | None = None
 ) -> Result | None:
@@ -172,7 +166,7 @@ def friction_bound(
     exact = cone == FrictionCone.exact() and bool(family(start).contacts.plain.all())
     while exact and width < value < start:
         problem = Problem.build(family(value))
-        found = nearest_mechanism(problem.statics, stop=stop, near=_NEAR)
+        found = nearest_mechanism(problem.statics, stop=stop)
         motion, falling = found.motion, None
         if motion is not None:
             proven = sound_mechanism(problem, motion)

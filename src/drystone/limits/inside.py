@@ -133,8 +133,12 @@ def searched(
             first.evaluate([start, start + _FIRST * (end - start)])
 
     def held(value: float) -> Result | None:
-        """The rest state at a value, where a scan up to it by uniform stiffness finds one."""
-        if asks and means.options.cone in (FrictionCone.exact(), FrictionCone.octagon()):
+        """The rest state at a value, where a scan up to it by uniform stiffness finds one.
+
+        Workers scan later, side by side.
+        """
+        alone = asks and means.clock.workers is None
+        if alone and means.options.cone in (FrictionCone.exact(), FrictionCone.octagon()):
             with suppress(Stopped):
                 first.scan(start, value, means.options.scan)
         known = first.results.get(value)
@@ -234,7 +238,9 @@ def _inside(
     if options.width is None and family(start).contacts.corner_count > SEARCHED:
         width = Width(width.least, max(width.share, COARSE))
         closing = _CLOSING
-    uniform = first.run(start, last, width=width, scan=options.scan, beyond=outer)
+    with WorkerPool(means.clock.workers) as pool:
+        first.executor = pool.executor
+        uniform = first.run(start, last, width=width, scan=options.scan, beyond=outer)
     if options.width is None:
         width = Width(width.least, max(width.share, FOLLOWED))
     means.tell("verdict where stiffness decides", 2)

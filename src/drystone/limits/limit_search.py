@@ -45,8 +45,8 @@ class VerdictSearch:
     stop
         Called before and after every value.
     starts
-        Results by value at whose rest states ``check`` begins, if it is one of drystone. A scan is
-        in order then: each value begins in line with what stands before it.
+        Results by value at whose rest states ``check`` begins, if it is one of drystone. Values of
+        a scan begin in line with what stands before them; with an executor, at that of its start.
     """
 
     def __init__(
@@ -137,6 +137,8 @@ class VerdictSearch:
             return
         if self.starts is None:
             self.evaluate(others)
+        elif self.executor is not None:
+            self.evaluate(others, in_line(self.results, first))
         else:
             for value in others:
                 self.evaluate([value], in_line(self.results, value))
