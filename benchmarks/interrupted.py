@@ -76,7 +76,7 @@ GIVEN = {
     "recut": "tower.json --most 1",
     "reproduce": "5.1.1",
     "scaffold": "pair.json --time-limit 1",
-    "settle": "tower.json --move block-0:0,0,-1 --to 0.001",
+    "settle": "tower.json --move block-0:0,0,-0.001 --to 0.001",
     "shape": "tower.json --seismic 0.51 --most 0.5 --time-limit 1",
     "sharpen": "tower.json --seismic 0.65 --most 20",
     "shell": "barrel --courses 3 --blocks 2 --thickness 0.6",

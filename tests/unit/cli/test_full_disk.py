@@ -99,7 +99,8 @@ def test_a_full_disk_is_told_with_the_file_and_nothing_is_left(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     blank = Figure(figsize=(1, 1))  # what is drawn does not matter, and takes long
-    monkeypatch.setattr("drystone.view.figure.draw", lambda *_, **__: blank)
+    for room in ("view.figure", "report.sketches"):
+        monkeypatch.setattr(f"drystone.{room}.draw", lambda *_, **__: blank)
     monkeypatch.setattr("drystone.report.sketches._picture", lambda *_: dot)
     if case.command in NEEDS:
         pytest.importorskip(NEEDS[case.command])
