@@ -1,7 +1,7 @@
 """Struts push, ropes pull, clamps do both within limits, centring carries a face."""
 
 from dataclasses import replace
-from functools import partial
+from functools import cache, partial
 
 import numpy as np
 import pytest
@@ -412,16 +412,16 @@ def test_every_item_touches_the_true_surface_of_the_blocks_of_a_shell(surface):
         model = shell_by_name(surface, **SHELLS[surface], ground="blocks").model(friction=0.6)
     size = model.assembly.size
     told = [len(model.assembly.free)]
+    surface_of = cache(lambda block: surface_triangles(model.assembly.blocks[block])[0])
     for kind in Support:
         stages = ScaffoldedStages(model, kind)
         made = {block: stages.items(block) for block in members(stages.takes)}
         with_scaffold(model, [item for items in made.values() for item in items])
-        triangles = {block: surface_triangles(model.assembly.blocks[block])[0] for block in made}
         for block, items in made.items():
             for item in items:
                 point = {"strut": "head", "rope": "at", "centring": "face"}.get(kind.value)
                 if point is not None:
-                    off = distance(np.reshape(getattr(item, point), (-1, 3)), triangles[block])
+                    off = distance(np.reshape(getattr(item, point), (-1, 3)), surface_of(block))
                     assert off.max() < 1e-6 * size[block]
         told.append(len(made))
     assert tuple(told) == TAKES[surface]

@@ -36,9 +36,15 @@ def stack(count: int, width: float = 1.0, height: float = 2.0, scale: float = 1.
     return Assembly(tuple(made)).with_fixed(["base"])
 
 
-def test_a_block_that_rocks_keeps_the_closed_form() -> None:
+@pytest.fixture(scope="module")
+def rocked() -> LargeDisplacement:
+    """A block that is pushed over an edge."""
+    return push(stack(1), friction=1.0)
+
+
+def test_a_block_that_rocks_keeps_the_closed_form(rocked: LargeDisplacement) -> None:
     # about an edge at the angle theta: H / W = tan(alpha - theta), until theta = alpha
-    found = push(stack(1), friction=1.0)
+    found = rocked
     alpha = float(np.arctan(0.5))
     turned = np.array([state.positions[1, 4] for state in found.states])
     load = np.array([state.load for state in found.states])
@@ -100,11 +106,10 @@ def test_two_blocks_rock_as_one_where_friction_holds_them_together() -> None:
     np.testing.assert_allclose(turned[:, 0], turned[:, 1], atol=1e-4)
 
 
-def test_lengths_scale_and_load_factors_stay() -> None:
-    one = push(stack(1), friction=1.0)
+def test_lengths_scale_and_load_factors_stay(rocked: LargeDisplacement) -> None:
     large = push(stack(1, scale=20.0), friction=1.0)
-    assert large.peak == pytest.approx(one.peak, rel=1e-6)
-    assert large.capacity == pytest.approx(20.0 * one.capacity, rel=1e-3)
+    assert large.peak == pytest.approx(rocked.peak, rel=1e-6)
+    assert large.capacity == pytest.approx(20.0 * rocked.capacity, rel=1e-3)
 
 
 def test_a_load_on_one_block_has_its_own_displacement() -> None:
@@ -244,7 +249,7 @@ def test_a_column_ends_where_it_tips_wherever_another_block_slid_before() -> Non
     assert found.capacity == pytest.approx(0.02 * share, rel=0.01)
 
 
-def test_friction_decays_to_the_slope() -> None:
+def test_friction_decays_to_the_slope(rocked: LargeDisplacement) -> None:
     # a block on a slope slides where the friction is the slope
     load = LoadCase.tilt(stack(1), (0.0, 1.0, 0.0), 15.0)
     found = reduce_friction(Model.of(stack(1), friction=0.6, load=load))
@@ -255,11 +260,10 @@ def test_friction_decays_to_the_slope() -> None:
     assert "without any friction" in still.message
     assert found.layers().stages[0].role is Role.BAD
     assert still.layers().stages[0].role is Role.GOOD
-    pushed = push(stack(1), friction=1.0)
-    assert pushed.message.endswith("it falls without this load")
-    roles = [one.sentences()[0].role for one in (found, still, pushed)]
+    assert rocked.message.endswith("it falls without this load")
+    roles = [one.sentences()[0].role for one in (found, still, rocked)]
     assert roles == [Role.BAD, Role.GOOD, Role.UNSURE]  # the colours of the page
-    assert [one.code for one in (found, still, pushed)] == [0, 0, 0]
+    assert [one.code for one in (found, still, rocked)] == [0, 0, 0]
 
 
 def test_it_ends_early_and_says_so() -> None:
