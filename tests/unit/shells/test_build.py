@@ -1,6 +1,7 @@
 import pickle
 from collections import Counter
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -88,6 +89,8 @@ SHELLS = {
         barrel_vault().supported_on(Edge(0, Side.BOTTOM, 0.0, 0.45), Edge(0, Side.TOP)), LAYOUT
     ),
 }
+
+SHELLS = {name: cache(build) for name, build in SHELLS.items()}
 
 
 @pytest.mark.parametrize("kind", SHELLS)
