@@ -3,6 +3,7 @@
 import csv
 import json
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -24,6 +25,7 @@ from drystone.models import (
     welded,
 )
 from drystone.sequence import (
+    Plan,
     PlanOptions,
     Robot,
     Rules,
@@ -40,6 +42,12 @@ LEFT, RIGHT = Robot("left", (-2.0, 0.0, 0.0), 3.0), Robot("right", (2.0, 0.0, 0.
 UNEQUAL = [Robot("a", (-3.0, 0.0, 0.0), 3.2), Robot("b", (3.0, 0.0, 0.0), 2.2)]
 
 
+@cache
+def shallow() -> Plan:
+    """Of an arch as deep as it is thick."""
+    return plan(arch(0.2, 11, depth=0.2), friction=0.7)
+
+
 def test_two_robots_place_blocks_in_turn():
     work = handling(plan(tower(5)), [Robot("a"), Robot("b")])
     assert [one.robot for one in work.placements] == ["a", "b", "a", "b"]
@@ -47,8 +55,9 @@ def test_two_robots_place_blocks_in_turn():
 
 
 def test_a_block_goes_to_a_robot_that_reaches_it():
-    work = handling(plan(bridge(), friction=0.5), [LEFT, RIGHT])
-    far = {one.name: one for one in handling(plan(bridge(), friction=0.5)).placements}
+    found = plan(bridge(), friction=0.5)
+    work = handling(found, [LEFT, RIGHT])
+    far = {one.name: one for one in handling(found).placements}
     for one in work.placements:
         robot = LEFT if one.robot == "left" else RIGHT
         away = np.linalg.norm(one.approach[:, :3, 3] - np.array(robot.base), axis=1)
@@ -433,7 +442,7 @@ def test_robots_and_orders_that_make_no_sense_are_refused():
 
 
 def test_a_robot_that_holds_leaves_what_only_it_reaches_without_one() -> None:
-    found = plan(arch(0.2, 11, depth=0.2), friction=0.7)
+    found = shallow()
     near = [Robot("a", (-1.0, 1.0, 0.0), 1.8, 30.0), Robot("b", (1.0, 1.0, 0.0), 1.8, 30.0)]
     work = handling(found, near)
     assert work.title == "9 of 11 blocks placed by 2 robots"
@@ -446,7 +455,7 @@ def test_a_robot_that_holds_leaves_what_only_it_reaches_without_one() -> None:
 
 def test_robots_of_one_step_are_chosen_together() -> None:
     """One reaches everything, the other only the first of two blocks, whoever's turn it is."""
-    found = plan(arch(0.2, 11, depth=0.2), friction=0.7)
+    found = shallow()
     team = [Robot("everywhere"), Robot("left", (-1.0, 0.1, 0.0), 1.2)]
     assert without_robot(found, team) == without_robot(found, team[::-1])
     placed = [
