@@ -232,6 +232,7 @@ PRESSED = (
 STATIC = "passive pressure is the one given (passive=passive:30deg:0.1 is less)"
 
 
+@pytest.mark.usefixtures("unpainted")
 def test_every_answer_says_that_pressure_in_an_earthquake_is_the_one_given(
     tmp_path: Path,
 ) -> None:

@@ -33,17 +33,10 @@ from drystone.report.hand_checks import (
 )
 from drystone.report.report_pdf import pdf_of
 from drystone.report.report_sections import document_of
-from drystone.report.sketches import dimensions_picture, loads_picture, signs_picture
+from drystone.report.sketches import dimensions_picture, loads_picture
 from drystone.report.write_report import html_of
 from drystone.sequence import plan
 from drystone.view.figure import draw
-
-
-@pytest.fixture
-def unpainted(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Pictures are drawn without pixels, which take half of a report: the test reads its words."""
-    signs_picture()  # that one is kept for later reports
-    monkeypatch.setattr("matplotlib.figure.Figure.savefig", lambda *_, **__: None)
 
 
 @pytest.fixture(scope="module")

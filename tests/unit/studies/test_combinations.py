@@ -61,6 +61,7 @@ def test_a_block_overturns_where_the_factors_of_equilibrium_say(
         assert found.needed[found.governs] == pytest.approx(share, abs=2e-3)
 
 
+@pytest.mark.usefixtures("unpainted")
 def test_the_summary_of_a_report_names_the_combination_that_governs(tmp_path: Path) -> None:
     first = 'situations = ["EQU", "STR"]\n[material]\nstrength = 1.5'
     found = combinations(STACK, written(tmp_path, first, WEIGHT, PUSH.format(14250)))
@@ -73,6 +74,7 @@ def test_the_summary_of_a_report_names_the_combination_that_governs(tmp_path: Pa
 
 
 @pytest.mark.parametrize("first", [6000, 15000])
+@pytest.mark.usefixtures("unpainted")
 def test_what_is_stopped_speaks_of_no_more_than_it_checked(first: float, tmp_path: Path) -> None:
     """Of eight combinations the second is not asked; a limit of time is told as one."""
     path = written(tmp_path, 'situations = ["EQU", "STR"]', WEIGHT, PUSH.format(first))
