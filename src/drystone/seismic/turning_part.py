@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -10,7 +11,6 @@ import numpy as np
 from scipy.optimize import brentq
 
 from drystone.answer.question import UP
-from drystone.assembly import Assembly
 from drystone.base.arrays import SAME, Bools, Floats, Ints, dot, lengths
 from drystone.base.display import OneLine, named
 from drystone.base.errors import InputError, counted, located
@@ -18,7 +18,7 @@ from drystone.base.ragged import linked
 from drystone.base.table import Table
 from drystone.checks import corner_motion
 from drystone.geometry.frames import rotation_about
-from drystone.geometry.kern import level_hull
+from drystone.geometry.kern import convex_hull
 from drystone.io.opening import kept_of
 from drystone.loads.applied import applied_loads
 from drystone.loads.case import STANDARD_GRAVITY
@@ -192,6 +192,8 @@ def weights_that_move(names: Sequence[str], weight: Floats, place: Floats, moved
 
 _CLOSE = 1e-3
 """How far a line may lie off a part by its size. Chosen: coordinates rounded to millimetres."""
+_BED = math.sqrt(0.5)
+"""Rise of the normal of a joint from which on it is a bed: less steep than 45 degrees. Chosen."""
 
 
 def masses_of(model: Model, part: Ints) -> tuple[Floats, Floats, Ints, list[str]]:
@@ -226,7 +228,7 @@ def turning_of(
     remarks = _whole(model, chosen)
     if line is not None:
         origin, axis = _line(line, along)
-        remarks += _under(assembly, chosen, origin, axis)
+        remarks += _under(model, chosen, origin, axis)
         return *_about(model, chosen, along, origin, axis), remarks
     least, ends, found = _soonest(model, chosen, along)
     remarks += [f"the part turns about the edge of its foot from {ends}"] if ends else []
@@ -277,11 +279,13 @@ def _pieces(model: Model, part: Ints) -> Iterator[tuple[str, Ints, Floats]]:
 
 def _soonest(model: Model, part: Ints, along: Floats) -> tuple[float, str, tuple[Turning, Floats]]:
     """How a part turns about its foot: the least multiplier, the edge unless a corner, and that."""
-    lines = _lowest_edges(model.assembly, part, along)
+    lines = _edges_of_foot(model, part, along)
     found = [_about(model, part, along, start, end - start) for start, end in lines]
     alpha = np.array([turning.multiplier(0.0) for turning, _ in found])
     best = int(np.argmax(alpha <= alpha.min() + SAME))  # about a corner all are the same
-    edge = " to ".join(", ".join(f"{x + 0.0:.4g}" for x in end) for end in lines[best])
+    size = SAME * float(model.assembly.size.max())
+    ends = [np.where(np.abs(end) > size, end, 0.0) for end in lines[best]]
+    edge = " to ".join(", ".join(f"{x:.4g}" for x in end) for end in ends)
     return float(alpha[best]), edge if best else "", found[best]
 
 
@@ -351,18 +355,37 @@ def _whole(model: Model, part: Ints) -> list[str]:
     return [f"what {told} lays on the part is not counted: name it too, or give it as a load"]
 
 
-def _lowest_edges(assembly: Assembly, part: Ints, along: Floats) -> list[tuple[Floats, Floats]]:
+def _foot(model: Model, part: Ints) -> Floats:
+    """Corners (c, 3) of the beds of a part: of blocks that lie on others only; else its lowest.
+
+    Beds need not be level, nor at one height.
+    """
+    assembly, contacts = model.assembly, model.contacts
+    rise = contacts.frame[:, 0, 2]
+    above = np.where(rise > 0.0, contacts.block_b, contacts.block_a)
+    below = np.where(rise > 0.0, contacts.block_a, contacts.block_b)
+    lies = (np.abs(rise) > _BED) & ~contacts.ties & np.isin(above, part)
+    inside = np.isin(below, part)
+    beds = lies & ~inside & ~np.isin(above, above[lies & inside])
+    corners = np.vstack([assembly.blocks[i].vertices for i in part])
+    lowest = corners[corners[:, 2] <= corners[:, 2].min() + SAME * assembly.size.max()]
+    return contacts.point[beds[contacts.interface]] if beds.any() else lowest
+
+
+def _edges_of_foot(model: Model, part: Ints, along: Floats) -> list[tuple[Floats, Floats]]:
     """Lines about which a part falls along a direction, by two points of each.
 
-    The first is across the direction, through the lowest corner that is farthest along; the others
-    are the edges of the hull of its lowest corners, its foot, over which it is pushed.
+    The first is across the direction, through the corner of its foot that is farthest along, or the
+    edge there, which need not be level; the others are the edges of the hull of its foot, seen from
+    above, over which it is pushed.
     """
-    corners = np.vstack([assembly.blocks[i].vertices for i in part])
-    low = corners[corners[:, 2] <= corners[:, 2].min() + SAME * assembly.size.max()]
-    across, far, foot = np.cross(UP, along), low[np.argmax(low @ along)], level_hull(low)
+    low = _foot(model, part)
+    across, far, flat = np.cross(UP, along), low[np.argmax(low @ along)], convex_hull(low[:, :2])
+    foot = low[lengths(low[:, None, :2] - flat).argmin(axis=0)]
     edges = zip(foot, np.roll(foot, -1, axis=0), strict=True) if len(foot) > 2 else ()
     over = [(a, b) for a, b in edges if (b - a) @ across > _CLOSE * np.linalg.norm(b - a)]
-    return [(far, far + across), *over]
+    square = [(a, b) for a, b in over if abs((b - a) @ along) <= _CLOSE * np.linalg.norm(b - a)]
+    return [*(square[:1] or [(far, far + across)]), *over]
 
 
 def _line(line: Sequence[float], along: Floats) -> tuple[Floats, Floats]:
@@ -381,13 +404,14 @@ def _line(line: Sequence[float], along: Floats) -> tuple[Floats, Floats]:
     return ends[:3], axis / size * np.sign(forward)
 
 
-def _under(assembly: Assembly, part: Ints, origin: Floats, axis: Floats) -> list[str]:
-    """Refuse a line that is not under a part; say where it is behind the lowest edge."""
+def _under(model: Model, part: Ints, origin: Floats, axis: Floats) -> list[str]:
+    """Refuse a line that is not under a part; say where it is behind the edge of its foot."""
+    assembly, foot = model.assembly, _foot(model, part)
     bottom = np.array([assembly.blocks[i].vertices[:, 2].min() for i in part])
     corners = np.vstack([assembly.blocks[i].vertices for i in part])
     near = _CLOSE * float(np.linalg.norm(np.ptp(corners, axis=0)))
-    lowest = float(bottom.min())
-    rise = float(origin[2]) - lowest
+    lowest, highest = float(foot[:, 2].min()), float(foot[:, 2].max())
+    rise = float(origin[2] - np.clip(origin[2], lowest, highest))
     if abs(rise) > near:
         remedy = f"give z = {lowest:.4g}"
         above = [assembly.names[i] for i in part[bottom >= origin[2] - near]]
@@ -396,7 +420,7 @@ def _under(assembly: Assembly, part: Ints, origin: Floats, axis: Floats) -> list
         told = f"lies {abs(rise):.4g} m {'above' if rise > 0.0 else 'below'} the part's lowest edge"
         raise InputError(told, where="line", remedy=remedy)
     ahead = np.cross(axis, UP)
-    feet = (corners[corners[:, 2] <= lowest + near] - origin) @ ahead
+    feet = (foot - origin) @ ahead
     behind = float(feet.max())
     beside = float(np.clip(0.0, feet.min(), behind))
     if abs(beside) > near:

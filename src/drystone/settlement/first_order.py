@@ -117,22 +117,11 @@ class SupportResponse(Answer):
         """[m], largest motion of a support."""
         return _size(self.model)
 
-    @property
-    def _rigid(self) -> Floats | None:
-        """Positions (n, 6) of blocks that were followed, where those to first order are soft."""
-        steps = self.followed if self._soft and self._steps is None else None
-        known = steps is not None and steps.end is End.REACHED
-        return steps.states[-1].positions if steps is not None and known else None
-
-    @property
-    def _displacement(self) -> Floats | None:
-        return self.result.displacement if self._rigid is None else self._rigid
-
     @cached_property
     def _apart(self) -> Floats:
-        moved, contacts = self._displacement, self.contacts
+        moved, contacts = self.result.displacement, self.contacts
         motion = _motion_of(self.model) if moved is None else moved
-        if self._steps is None and self._rigid is None:
+        if self._steps is None and not _took_over(self, self.followed):
             loose = Assembly(self.assembly.blocks)  # moving supports are free in the kinematics
             return corner_motion(loose, contacts, motion)
         way = np.subtract(*_carried(self.model, motion)[::-1])
@@ -313,7 +302,7 @@ class SupportResponse(Answer):
         if self._steps is not None:
             return self._steps.layers()
         after = self.result.stage("after")
-        motion = self._displacement
+        motion = self.result.displacement
         if motion is not None:
             after = replace(
                 after,
@@ -331,7 +320,7 @@ class SupportResponse(Answer):
         """The blocks moved, enlarged, so that it shows which joints open; or the curve."""
         if self._steps is not None:
             return self._steps.figure()
-        motion = self._displacement
+        motion = self.result.displacement
         if motion is None:
             return self.layers()
         factor = enlargement(self.assembly, motion)
@@ -444,14 +433,22 @@ def support_response(
     if first is not None and not first.result.stable:
         return first
     followed = move_supports(model, **clock.rest)
-    if first is not None and followed.end is not End.FALLS:
-        return replace(first, followed=followed, stopped=followed.stopped)
     states, told = followed.states, (followed.end.verdict, followed.message, followed.stopped)
+    if first is not None and followed.end is not End.FALLS:
+        if not _took_over(first, followed):
+            return replace(first, followed=followed, stopped=followed.stopped)
+        told = first.result.verdict, first.result.message, followed.stopped
     stood = (Verdict.STABLE, "the supports have not moved") if len(states) > 1 else told
     still = model.with_load(replace(model.load, motion=None))
     last, before = states[-1], states[0].result(still, *stood)
     after = last.result(last.placed(model), *told)
-    return SupportResponse(after, before, followed, stopped=followed.stopped)
+    soft = first is not None
+    return SupportResponse(after, before, followed, soft, stopped=followed.stopped)
+
+
+def _took_over(first: SupportResponse, followed: LargeDisplacement | None) -> bool:
+    """Whether a small motion is that of finite steps: soft springs took much of it."""
+    return first._soft and followed is not None and followed.end is End.REACHED
 
 
 def first_order(model: Model, options: SupportResponseOptions | None = None) -> SupportResponse:

@@ -10,6 +10,7 @@ import drystone
 from drystone import Assembly, DrystoneError, InputError, JointCapacity, LoadCase, Model
 from drystone.answer import Role
 from drystone.cli import main
+from drystone.geometry.frames import rotation_about
 from drystone.models import arch, box
 from drystone.report.sketches import answer_pictures
 from drystone.seismic import LocalMechanism, SeismicDemand, Spectrum, local_mechanism
@@ -54,6 +55,31 @@ def test_a_wall_is_the_same_oscillator_however_many_courses_it_has(count: int) -
         found = local_mechanism(model, part=part)
         assert found.oscillator.share == pytest.approx(1.0, abs=1e-3)
         assert found.acceleration == pytest.approx(G * 0.5 / 3.0, rel=2e-3)
+
+
+@pytest.mark.parametrize("lean", [0.001, 4.0])
+def test_a_tower_whose_bed_is_not_level_turns_about_the_edge_it_falls_over(lean: float) -> None:
+    """tan(atan(b/h) - lean) towards the lean, + lean away from it, (b/h) cos(lean) across it."""
+    turn = rotation_about((0.0, 1.0, 0.0), lean)
+    base, tower = box((3.0, 3.0, 1.0), (-1.0, -1.0, -1.0), "base"), box((1.0, 1.0, 4.0), name="t")
+    made = Assembly((base, tower), [True, False]).transformed(turn)
+    model = Model.of(made, friction=0.9)
+    slender, angle = math.atan(0.25), math.radians(lean)
+    expected = {"x": math.tan(slender - angle), "-x": math.tan(slender + angle),
+                "y": 0.25 * math.cos(angle)}  # fmt: skip
+    for direction, alpha in expected.items():
+        found = local_mechanism(model, part="t", direction=direction)
+        assert found.oscillator.multiplier == pytest.approx(alpha, rel=1e-3)
+
+
+@pytest.mark.parametrize(("bed", "wall"), [(0.6, 0.8), (0.9, 0.7)])
+def test_a_wall_that_juts_out_turns_about_the_edge_on_which_it_lies(
+    bed: float, wall: float
+) -> None:
+    """It juts out by 0.2 m: its centroid is wall/2 - 0.2 behind that edge, and 1.25 m above."""
+    lower, upper = box((bed, 2.0, 1.0), name="a"), box((wall, 2.0, 2.5), (-0.2, 0.0, 1.0), "b")
+    found = local_mechanism(standing(lower, upper), part="b", direction="-x")
+    assert found.oscillator.multiplier == pytest.approx((wall / 2.0 - 0.2) / 1.25)
 
 
 def test_stacks_side_by_side_overturn_as_far_as_one_of_them() -> None:
