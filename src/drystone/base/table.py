@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 SHOWN = 30
 """Largest number of rows in a notebook. Chosen: one screen."""
-_WORDS = ("load", "factors")
+_WORDS = ("load", "factors", "carries")
 """Columns of words, not of names."""
 _PREFIXED = ("N", "N m", "Pa", "m")
 """Units that are shown with a prefix in each cell."""

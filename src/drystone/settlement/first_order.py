@@ -443,6 +443,8 @@ def support_response(
     last, before = states[-1], states[0].result(still, *stood)
     after = last.result(last.placed(model), *told)
     soft = first is not None
+    if soft and after.force is not None:
+        after = replace(after, residuals=check_forces(after.model, after.force))
     return SupportResponse(after, before, followed, soft, stopped=followed.stopped)
 
 

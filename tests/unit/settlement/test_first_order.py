@@ -99,6 +99,7 @@ def test_friction_of_a_settled_wall_is_coulomb_and_opposes_the_slide() -> None:
     residuals = answer.result.residuals
     assert residuals is not None
     assert residuals.largest < 1e-6
+    assert answer.result.utilisation.max() < 1.0 + 1e-6
     assert len(answer.open_joints()) > 0
 
 
