@@ -116,9 +116,10 @@ class Contacts(OneLine):
             "friction": check_friction(self.friction, m),
             "point": frozen_points(self.point, (None, 3), "point"),
             "interface": frozen_ints(self.interface, (None,), "interface"),
-            "rod": frozen_floats(self.rod if len(self.rod) else np.zeros(m), (m,), "rod"),
+            "rod": frozen_floats(self.rod, (None,), "rod"),
         }
-        interface = checked["interface"]
+        rod, interface = checked["rod"], checked["interface"]
+        checked["rod"] = frozen_floats(rod if len(rod) else np.zeros(m), (m,), "rod")
         if len(interface) != len(checked["point"]):
             raise InputError("point and interface differ in length")
         if (np.diff(interface) < 0).any() or not np.array_equal(np.unique(interface), np.arange(m)):
