@@ -7,10 +7,8 @@ of rest. They allow any prestress. Flow is associated: sliding joints open (Live
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
-from typing import TypeAlias
 
 import numpy as np
 
@@ -46,9 +44,6 @@ from drystone.stability.touching_edges import unless_more_holds
 _WIDEST = 3e-3
 """A limit from one program needs checked states within this share of it on both sides. Otherwise it
 is bisected."""
-
-Held: TypeAlias = Callable[[float], Result | None]
-"""A rest state at a value, whose forces balance the loads without another program."""
 
 _STEPS = 100
 """Steps of one program. Those that end with an answer take about 40; very near the limit others end
@@ -124,23 +119,13 @@ def bisected_bound(
     width: float,
     cone: FrictionCone,
     stop: Stop | None = None,
-    held: Held | None = None,
 ) -> Bracket:
     """The limit of equilibrium between a value where it is expected and one where it is not."""
-    search = _search(family, cone, stop)
-    _keep(search, start, held)
-    return search.run(start, end, width=Width(width), scan=1).bracket
+    return _search(family, cone, stop).run(start, end, width=Width(width), scan=1).bracket
 
 
 def _search(family: Family, cone: FrictionCone, stop: Stop | None) -> VerdictSearch:
     return VerdictSearch(family, partial(rbe, cone, stop), stop=stop)
-
-
-def _keep(search: VerdictSearch, value: float, held: Held | None) -> None:
-    """Ask no program at a value where a rest state is known."""
-    known = None if held is None else held(value)
-    if known is not None:
-        search.results[value] = known
 
 
 @one_blas_thread()
@@ -152,7 +137,6 @@ def friction_bound(
     width: float,
     cone: FrictionCone,
     stop: Stop | None = None,
-    held: Held | None = None,
 ) -> Bracket:
     """The limit of equilibrium between a friction where it is expected and none.
 
@@ -183,12 +167,9 @@ def friction_bound(
         else:
             value *= 0.01
     if not search.results:
-        _keep(search, end, held)
-        _keep(search, start, held)
         return search.run(start, end, width=Width(width), scan=1).bracket
     near = min(limit + 0.3 * width, start)
     far = max(*search.results, near - width)
-    _keep(search, near, held)
     return search.around(near, far, (start, end), width=Width(width)).bracket
 
 
@@ -207,7 +188,6 @@ def load_factor_bound(
     width: float | None,
     cone: FrictionCone,
     stop: Stop | None = None,
-    held: Held | None = None,
 ) -> tuple[Bracket, float]:
     """The limit of equilibrium from one conic program, and the width of its bracket.
 
@@ -217,7 +197,7 @@ def load_factor_bound(
     factor = solution.factor
     scale = factor if 0.0 < factor < upper else upper
     chosen = share * scale if width is None else width
-    return _confirmed(family, factor, solution, (0.0, upper), chosen, cone, stop, held), chosen
+    return _confirmed(family, factor, solution, (0.0, upper), chosen, cone, stop), chosen
 
 
 def tilt_bound(
@@ -227,7 +207,6 @@ def tilt_bound(
     width: float,
     cone: FrictionCone,
     stop: Stop | None = None,
-    held: Held | None = None,
     first: FactorSolution | None = None,
 ) -> Bracket:
     """The limit of equilibrium under tilt.
@@ -238,7 +217,7 @@ def tilt_bound(
     it is known, see :func:`tilt_factor`.
     """
     if not family.is_planar():
-        return bisected_bound(family, 0.0, upper, width=width, cone=cone, stop=stop, held=held)
+        return bisected_bound(family, 0.0, upper, width=width, cone=cone, stop=stop)
     angle = float("inf")
     solution: FactorSolution | None = None
     for quarter in np.arange(0.0, upper, 90.0).tolist():
@@ -248,7 +227,7 @@ def tilt_bound(
         if solution.factor < np.inf:
             angle = quarter + float(np.rad2deg(np.arctan(solution.factor)))
             break
-    return _confirmed(family, angle, solution, (0.0, upper), width, cone, stop, held)
+    return _confirmed(family, angle, solution, (0.0, upper), width, cone, stop)
 
 
 def tilt_factor(
@@ -341,14 +320,11 @@ def _confirmed(
     width: float,
     cone: FrictionCone,
     stop: Stop | None,
-    held: Held | None,
 ) -> Bracket:
     """A bracket around the value of a solver, with checked answers at both sides."""
     search = _search(family, cone, stop)
     start, end = span
     try:
-        if value >= start:
-            _keep(search, min(end, max(start, value - 0.5 * width)), held)
         if value >= end:
             verdict = search.stands(end)
             if verdict is True:

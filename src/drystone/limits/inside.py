@@ -13,8 +13,7 @@ import numpy as np
 from drystone.base.errors import InputError
 from drystone.base.settings import Clock, Stop, Stopped
 from drystone.base.workers import WorkerPool
-from drystone.formulations.corner_forces import FrictionCone
-from drystone.limits.bounds import Held, bisected_bound, rbe
+from drystone.limits.bounds import bisected_bound, rbe
 from drystone.limits.limit_answer import Limit
 from drystone.limits.limit_search import VerdictSearch, Width, evaluate, in_line
 from drystone.limits.limit_types import (
@@ -91,9 +90,9 @@ def bisected(
     """A limit whose convex bound is found by bisection, or otherwise; ``width`` is the default."""
     chosen = width if means.options.width is None else means.options.width
 
-    def bound(stop: Stop, held: Held) -> tuple[Bracket, float]:
+    def bound(stop: Stop) -> tuple[Bracket, float]:
         cone = means.options.cone
-        return found_by(family, start, end, width=chosen, cone=cone, stop=stop, held=held), chosen
+        return found_by(family, start, end, width=chosen, cone=cone, stop=stop), chosen
 
     return searched(family, start, end, bound, means)
 
@@ -102,15 +101,14 @@ def searched(
     family: Family,
     start: float,
     end: float,
-    bound: Callable[[Stop, Held], tuple[Bracket, float]],
+    bound: Callable[[Stop], tuple[Bracket, float]],
     means: Means,
     share: float | None = None,
     at_rest: Result | None = None,
 ) -> Limit:
     """The convex bound and its width, then the limit of the full verdict inside it.
 
-    The bound is told what uniform stiffness holds. ``share``: of the limit, which is the default
-    width. ``at_rest``: by one stiffness at the start.
+    ``share``: of the limit, which is the default width. ``at_rest``: by one stiffness at the start.
 
     Raises
     ------
@@ -131,27 +129,14 @@ def searched(
         means.tell("what stands near the start", 0)
         with suppress(Stopped):
             first.evaluate([start, start + _FIRST * (end - start)])
-
-    def held(value: float) -> Result | None:
-        """The rest state at a value, where a scan up to it by uniform stiffness finds one.
-
-        Workers scan later, side by side.
-        """
-        alone = asks and means.clock.workers is None
-        if alone and means.options.cone in (FrictionCone.exact(), FrictionCone.octagon()):
-            with suppress(Stopped):
-                first.scan(start, value, means.options.scan)
-        known = first.results.get(value)
-        return known if known is not None and known.stable else None
-
     means.tell("limit of equilibrium", 0)
-    outer, least = bound(means.clock.late, held)
+    outer, least = bound(means.clock.late)
     between = time.perf_counter()
     if first.results:  # in case that time is up
         near = first.so_far(start)
         sides = replace(near.bracket, falls=outer.falls, falling=outer.falling)
-        tried = tuple(one for one in near.evaluations if STANDS[one.verdict])
-        found = {"rest": FoundBracket(sides, (), tried)}
+        held = tuple(one for one in near.evaluations if STANDS[one.verdict])
+        found = {"rest": FoundBracket(sides, (), held)}
     if not means.options.equilibrium_only and not means.clock.late():
         means.tell("limit of rest", 1)
         width = Width(least)
@@ -176,7 +161,7 @@ def searched(
         at = rbe(means.options.cone, means.clock.late, family(start))
         if at.falls:  # forces balance it farther on only: no limit from the start
             outer = Bracket(falls=start, falling=at)
-    every = {one.value: one for each in found.values() for one in each.evaluations}
+    tried = {one.value: one for each in found.values() for one in each.evaluations}
     return Limit(
         family.quantity,
         start,
@@ -184,7 +169,7 @@ def searched(
         outer,
         **{name: each.bracket for name, each in found.items()},
         islands=() if rest is None else rest.islands,
-        evaluations=tuple(every[value] for value in sorted(every)),
+        evaluations=tuple(tried[value] for value in sorted(tried)),
         time_s={"equilibrium": between - began, "rest": time.perf_counter() - between},
         stopped=means.clock.reason,
         options=means.options,
@@ -197,15 +182,14 @@ def stands_up_to(family: Family, end: float, means: Means, rest: Result | None) 
     ``rest``: of uniform stiffness at 0.
     """
     late, known = means.clock.late, {} if rest is None else {0.0: rest}
-    for value in np.linspace(0.0, end, means.options.scan + 1)[1:].tolist():
-        begun = value, in_line(known, value)
-        known[value] = evaluate(family, partial(one_stiffness, stop=late), begun)
-        if value != end and known[value].stable:
+    for value in np.linspace(0.0, end, means.options.scan + 1)[1:-1].tolist():
+        start = in_line(known, value)
+        known[value] = evaluate(family, partial(one_stiffness, stop=late), (value, start))
+        if known[value].stable:
             continue
-        begun = value, in_line(known, value)
-        if not evaluate(family, partial(verdict, stop=late), begun).stable:
+        if not evaluate(family, partial(verdict, stop=late), (value, start)).stable:
             return False
-    return True
+    return evaluate(family, partial(verdict, stop=late), (end, in_line(known, end))).stable
 
 
 def _inside(

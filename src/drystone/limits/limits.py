@@ -152,10 +152,8 @@ def tilt_limit(
         family,
         0.0,
         upper,
-        lambda stop, held: (
-            tilt_bound(
-                family, upper, width=width, cone=chosen.cone, stop=stop, held=held, first=first
-            ),
+        lambda stop: (
+            tilt_bound(family, upper, width=width, cone=chosen.cone, stop=stop, first=first),
             width,
         ),
         means,
@@ -236,8 +234,8 @@ def limit_load(
         family,
         0.0,
         upper,
-        lambda stop, held: load_factor_bound(
-            family, upper, share=_SHARE, width=chosen.width, cone=chosen.cone, stop=stop, held=held
+        lambda stop: load_factor_bound(
+            family, upper, share=_SHARE, width=chosen.width, cone=chosen.cone, stop=stop
         ),
         means,
         _SHARE,
