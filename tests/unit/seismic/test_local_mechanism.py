@@ -82,6 +82,27 @@ def test_a_wall_that_juts_out_turns_about_the_edge_on_which_it_lies(
     assert found.oscillator.multiplier == pytest.approx((wall / 2.0 - 0.2) / 1.25)
 
 
+def test_a_facade_with_return_walls_turns_about_its_front_whatever_the_rounding_of_its_bed() -> (
+    None
+):
+    """A hull of corners that differ by 1e-15 m had an edge across the wall: half of it."""
+    parts = (
+        ("front", 6.0, 0.6, 0.0, 0.0),
+        ("left", 0.5, 1.5, 0.0, 0.6),
+        ("right", 0.5, 1.5, 5.5, 0.6),
+    )
+    walls = [
+        box((wide, deep, 1.0), (x, y, float(i)), f"{name}-{i}")
+        for name, wide, deep, x, y in parts
+        for i in range(5)
+    ]
+    ground = box((12.0, 12.0, 1.0), (-3.0, -3.0, -1.0), "ground")
+    model = Model.of(Assembly((ground, *walls)).with_fixed(["ground"]), friction=0.6)
+    found = local_mechanism(model, part="front-*,left-*,right-*", direction="-y")
+    weight, arm = np.array([3.6, 0.75, 0.75]), np.array([0.3, 1.35, 1.35])
+    assert found.oscillator.multiplier == pytest.approx(weight @ arm / weight.sum() / 2.5)
+
+
 def test_stacks_side_by_side_overturn_as_far_as_one_of_them() -> None:
     one, other = (box((0.5, 1.0, 3.0), (0.0, y, 0.0), f"wall-{y}") for y in (0, 1))
     found = local_mechanism(standing(one, other))
