@@ -192,6 +192,7 @@ def spread_where_turned(
         both("friction"),
         np.concatenate([kept.point, resultants.position[owner] + away]),
         np.concatenate([kept.interface, kept.count + np.arange(len(owner))]),
+        rod=both("rod"),
     )
     share = points.area / np.bincount(owner, points.area, contacts.count)[owner]
     force = np.einsum("pij,pj->pi", contacts.frame[owner], resultants.force[owner])

@@ -14,6 +14,7 @@ from drystone import Assembly, Block, InputError, Model, io
 from drystone.base.arrays import lengths
 from drystone.checks import mechanism_defects
 from drystone.cli import main
+from drystone.friction_use import spread_where_turned
 from drystone.geometry.frames import rotations
 from drystone.io.opening import as_model
 from drystone.limits import LimitOptions, limit_shrink, limit_train
@@ -507,5 +508,9 @@ def test_what_a_tie_beside_the_middle_does_not_hold_has_a_verdict() -> None:
     lower, upper = box((1.0, 1.4, 0.5), (0, 0, 0), "a"), box((1.0, 1.4, 1.5), (0, 0, 0.5), "b")
     blocks = Assembly((ground, lower, upper), [True, False, False])
     tie = "b@1,0.2,1.8:ground@4,0.2,0:5kN"
-    assert drystone.check(blocks, friction=0.6, seismic=(0.0, 0.6193), tie=tie).stable
+    rests = drystone.check(blocks, friction=0.6, seismic=(0.0, 0.6193), tie=tie)
+    assert rests.stable
+    spread = spread_where_turned(rests.contacts, rests.resultants)
+    assert spread is not None
+    assert spread[0].rod[spread[0].ties] == pytest.approx(np.hypot(3.0, 1.8))  # no other rod
     assert drystone.check(blocks, friction=0.6, seismic=(0.0, 0.6196), tie=tie).falls

@@ -190,7 +190,8 @@ class DesignMargin(Options):
             cases[f"with {100.0 * self.friction:g} % of its friction"] = less
         if self.load != 1.0:
             words, more = self._loaded(model)
-            cases[f"under {self.load:g} times {words}"] = model.with_load(more)
+            if words:
+                cases[f"under {self.load:g} times {words}"] = model.with_load(more)
         if self.tilt > 0.0:
             for axis in LEVEL_AXES.values():
                 way = axis_words(np.array(axis))
@@ -198,7 +199,7 @@ class DesignMargin(Options):
         return cases
 
     def _loaded(self, model: Model) -> tuple[str, LoadCase]:
-        """What is multiplied, in words, and the load with it.
+        """What is multiplied, in words, and the load with it; no words where nothing is.
 
         Weight times a factor moves no dry block, so it is not multiplied with what else acts.
         """

@@ -101,10 +101,12 @@ def convex_hull(points: Floats) -> Floats:
 
     Source: Andrew 1979, the monotone chain.
     """
-    ordered = sorted({(x, y) for x, y in points.tolist()})
+    size = float(np.ptp(points, axis=0).max(initial=0.0))
+    grid = 1e-9 * size or 1.0  # those of one x but for rounding are in order of y
+    ordered = [at for _, at in sorted({(round(x / grid), round(y / grid)): (x, y)
+                                       for x, y in points.tolist()}.items())]  # fmt: skip
     if len(ordered) < 3:
         return np.array(ordered).reshape(-1, 2)
-    size = max(ordered[-1][0] - ordered[0][0], float(np.ptp(points[:, 1])))
     least = 1e-12 * size**2
 
     def chain(row: list[tuple[float, float]]) -> list[tuple[float, float]]:

@@ -117,13 +117,14 @@ class TrainEnvelope(Answer):
         told = {True: "any factor", False: "this factor"}
         told = {known: words + self._ductile for known, words in told.items()}
         each = ["not found" if np.isnan(x) else told[x == np.inf] for x in self.factors]
-        rest = np.inf if self._rest is None else rounded_down(self._rest, 3)
         known = dict.fromkeys(self._undecided, "a verdict is undecided")
-        if rest < rounded_down(float(self.factors[self.worst]), 3):
-            known[self.worst] = f"{rounded_down(self._rest or 0.0):g} by the verdict"
-        if self._ductile and self._rest is not None and not self.stopped:
-            least = f"{rounded_down(self._rest):g} or more by the verdict"
-            known = dict.fromkeys(range(len(each)), least) | known
+        if self._rest is not None:
+            rest, factor = self._rest, float(self.factors[self.worst])
+            if rounded_down(rest, 3) < rounded_down(factor, 3):
+                known[self.worst] = f"{rounded_down(rest):g} by the verdict"
+            if self._ductile and not self.stopped:
+                least = f"{rounded_down(rest):g} or more by the verdict"
+                known = dict.fromkeys(range(len(each)), least) | known
         for i, words in known.items():
             each[i] += f" by equilibrium; {words}"
         return tuple(each)

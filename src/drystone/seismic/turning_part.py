@@ -11,7 +11,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from drystone.answer.question import UP
-from drystone.base.arrays import ROUNDING, SAME, Bools, Floats, Ints, dot, lengths
+from drystone.base.arrays import SAME, Bools, Floats, Ints, dot, lengths
 from drystone.base.display import OneLine, named
 from drystone.base.errors import InputError, counted, located
 from drystone.base.ragged import linked
@@ -369,9 +369,7 @@ def _foot(model: Model, part: Ints) -> Floats:
     beds = lies & ~inside & ~np.isin(above, above[lies & inside])
     corners = np.vstack([assembly.blocks[i].vertices for i in part])
     lowest = corners[corners[:, 2] <= corners[:, 2].min() + SAME * assembly.size.max()]
-    found = contacts.point[beds[contacts.interface]] if beds.any() else lowest
-    grid = ROUNDING * float(assembly.size.max())  # a hull of corners that are one but for rounding
-    return np.asarray(np.round(found / grid) * grid + 0.0)
+    return contacts.point[beds[contacts.interface]] if beds.any() else lowest
 
 
 def _edges_of_foot(model: Model, part: Ints, along: Floats) -> list[tuple[Floats, Floats]]:

@@ -17,7 +17,7 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any, Unpack
 
 import numpy as np
@@ -117,11 +117,15 @@ class SupportResponse(Answer):
         """[m], largest motion of a support."""
         return _size(self.model)
 
+    def _by_steps(self, followed: LargeDisplacement | None) -> bool:
+        """Whether a small motion is that of finite steps: soft springs took much of it."""
+        return self._soft and followed is not None and followed.end is End.REACHED
+
     @cached_property
     def _apart(self) -> Floats:
         moved, contacts = self.result.displacement, self.contacts
         motion = _motion_of(self.model) if moved is None else moved
-        if self._steps is None and not _took_over(self, self.followed):
+        if self._steps is None and not self._by_steps(self.followed):
             loose = Assembly(self.assembly.blocks)  # moving supports are free in the kinematics
             return corner_motion(loose, contacts, motion)
         way = np.subtract(*_carried(self.model, motion)[::-1])
@@ -435,7 +439,7 @@ def support_response(
     followed = move_supports(model, **clock.rest)
     states, told = followed.states, (followed.end.verdict, followed.message, followed.stopped)
     if first is not None and followed.end is not End.FALLS:
-        if not _took_over(first, followed):
+        if not first._by_steps(followed):
             return replace(first, followed=followed, stopped=followed.stopped)
         told = first.result.verdict, first.result.message, followed.stopped
     stood = (Verdict.STABLE, "the supports have not moved") if len(states) > 1 else told
@@ -448,11 +452,6 @@ def support_response(
     return SupportResponse(after, before, followed, soft, stopped=followed.stopped)
 
 
-def _took_over(first: SupportResponse, followed: LargeDisplacement | None) -> bool:
-    """Whether a small motion is that of finite steps: soft springs took much of it."""
-    return first._soft and followed is not None and followed.end is End.REACHED
-
-
 def first_order(model: Model, options: SupportResponseOptions | None = None) -> SupportResponse:
     """The answer to the motion of supports in the load, to first order alone.
 
@@ -461,14 +460,14 @@ def first_order(model: Model, options: SupportResponseOptions | None = None) -> 
     model.require_ends_as_drawn("the answer to small motions")
     model.require_dry("the answer to small motions", "an open joint would pull on")
     chosen, motion = SupportResponseOptions.of(options), _motion_of(model)
-    for compliance in (STIFF, SOFT) if chosen.compliance is None else (chosen.compliance,):
-        used = replace(chosen, compliance=compliance)
-        if compliance != chosen.compliance and compliance == STIFF:
-            used = replace(used, step_limit=min(STEPS, chosen.step_limit))
-        after, before = _state(model, used, motion), _state(model, used, np.zeros_like(motion))
-        if after.stable:
-            break
-    return SupportResponse(after, before, _soft=used.compliance == SOFT != chosen.compliance)
+    state, free = partial(_state, model, chosen), chosen.compliance is None
+    used = chosen.compliance or STIFF, min(STEPS, chosen.step_limit) if free else chosen.step_limit
+    after = state(motion, *used)
+    soft = free and not after.stable
+    if soft:
+        used = SOFT, chosen.step_limit
+        after = state(motion, *used)
+    return SupportResponse(after, state(np.zeros_like(motion), *used), _soft=soft)
 
 
 def _motion_of(model: Model) -> Floats:
@@ -496,7 +495,9 @@ def _is_large(model: Model) -> bool:
     return bool(_size(model) * len(free) > LARGE * model.assembly.size[free].sum())
 
 
-def _state(model: Model, chosen: SupportResponseOptions, prescribed: Floats) -> Result:
+def _state(
+    model: Model, chosen: SupportResponseOptions, prescribed: Floats, compliance: float, steps: int
+) -> Result:
     """Forces and motions under a prescribed motion (n, 6) of the supports, or before it."""
     size = _size(model)
     assembly, contacts, load = model.assembly, model.contacts, model.load
@@ -508,7 +509,7 @@ def _state(model: Model, chosen: SupportResponseOptions, prescribed: Floats) -> 
         raise InputError("nothing loads the free blocks", remedy="add their weight")
     loose = Assembly(assembly.blocks)  # moving supports are free in the kinematics
     imposed = corner_motion(loose, part, prescribed) / size
-    scaled, motion, raw, defect = _solved(statics, imposed, chosen)
+    scaled, motion, raw, defect = _solved(statics, imposed, compliance, steps)
     moved = prescribed + statics.physical_motion(motion, len(assembly), size)
     force = np.zeros((contacts.corner_count, 3))
     force[active[contacts.interface]] = statics.physical_force(scaled)
@@ -551,7 +552,7 @@ TANGENTIAL = 0.1
 
 
 def _solved(
-    statics: Statics, imposed: Floats, chosen: SupportResponseOptions
+    statics: Statics, imposed: Floats, compliance: float, steps: int
 ) -> tuple[Floats, Floats, ConicSolution, float]:
     """Scaled forces and motion under the loads of ``statics`` and a motion of the supports.
 
@@ -561,7 +562,8 @@ def _solved(
     imposed : (k, 3)
         Displacement of b against a at each corner that the supports impose, local n, u, v, by the
         unit of displacement.
-    chosen
+    compliance, steps
+        As in the options.
 
     Returns
     -------
@@ -573,7 +575,7 @@ def _solved(
         Largest excess of friction over ``mu fn`` or change of the bound, by the mean load.
     """
     k = statics.corner_count
-    softness = (chosen.compliance or SOFT) / np.maximum(statics.tributary, LEAST_AREA)
+    softness = compliance / np.maximum(statics.tributary, LEAST_AREA)
     diagonal = np.stack([softness, softness / TANGENTIAL, softness / TANGENTIAL], axis=1)
     costs = {"linear": imposed.ravel(), "quadratic": diagonal.ravel()}
     program = _program(statics, np.zeros(k), costs)
@@ -582,7 +584,7 @@ def _solved(
     right = program.right.copy()
     bound = _associative(statics, costs)
     relaxation, last, defect = 1.0, float("inf"), float("inf")
-    for step in range(1, chosen.step_limit + 1):  # noqa: B007 - counted
+    for step in range(1, steps + 1):  # noqa: B007 - counted
         right[bounds] = bound
         raw = replace(program, right=right).solve()
         if raw.status is not ConicStatus.SOLVED:

@@ -86,6 +86,19 @@ def test_kern_of_a_line_is_its_middle_third_and_of_a_point_itself() -> None:
     np.testing.assert_allclose(kern(np.array([[2.0, 5.0]])), [[2.0, 5.0]])
 
 
+@pytest.mark.parametrize("angle", [0.0, 90.0, 180.0, 37.0])
+def test_a_hull_keeps_its_corners_whatever_their_rounding(angle: float) -> None:
+    """The feet of a facade and its return walls: the corner (0, 0) was lost by 1e-15."""
+    points = np.array([
+        [6.0, 0.0], [6.0, 0.6], [1.3322676295501878e-15, 0.6], [8.881784197001252e-16, 0.0],
+        [0.5, 0.6], [0.5, 2.1], [0.0, 2.1], [0.0, 0.6], [6.0, 2.1], [5.5, 2.1],
+    ])  # fmt: skip
+    c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
+    turned = convex_hull(points @ [[c, s], [-s, c]]) @ [[c, -s], [s, c]]
+    corners = {tuple(one) for one in turned.round(9) + 0.0}
+    assert corners == {(0.0, 0.0), (6.0, 0.0), (6.0, 2.1), (0.0, 2.1)}
+
+
 @settings(max_examples=40, deadline=None, derandomize=True)
 @given(st.integers(3, 9), st.integers(0, 10_000))
 def test_a_force_on_the_rim_of_the_kern_leaves_one_side_without_pressure(
