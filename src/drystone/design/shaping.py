@@ -7,7 +7,6 @@ from dataclasses import replace
 from typing import Any, Unpack
 
 import numpy as np
-from scipy.optimize import minimize
 
 from drystone.base.arrays import ROUNDING, Floats, lengths, of_type
 from drystone.base.errors import DrystoneError, InputError, counted
@@ -156,6 +155,8 @@ class ShapeSearch(ShapeValues):
             How much more help than at ``x`` is allowed: 1 in the first round, less where targets
             fell. Left out, the help is what is to be least.
         """
+        from scipy.optimize import minimize  # slow to import
+
         aim = self.help_at if slack is None else self.objective
         most = self.moves.most
         low = np.maximum(x - trust * most, -most)

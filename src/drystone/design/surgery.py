@@ -72,7 +72,7 @@ class Cut(OneLine):
 
 
 def tilted_cuts(
-    point: Floats, normal: Floats, edge: Floats, tilts_deg: Sequence[float], wedge_deg: float = 0.0
+    point: Floats, normal: Floats, edge: Floats, tilts_deg: Sequence[float]
 ) -> tuple[Cut, ...]:
     """The cut rotated by several angles about an edge through its point.
 
@@ -86,13 +86,9 @@ def tilted_cuts(
         Direction of the edge, of any length.
     tilts_deg : (t,) [degrees]
         Angles, counter-clockwise about the edge; one cut for each.
-    wedge_deg : [degrees]
-        Of each cut; see :class:`Cut`.
     """
     axis, base = unit(edge, "edge"), unit(normal, "normal")
-    return tuple(
-        Cut(point, rotation_about(axis, tilt) @ base, wedge_deg, axis) for tilt in tilts_deg
-    )
+    return tuple(Cut(point, rotation_about(axis, tilt) @ base, edge=axis) for tilt in tilts_deg)
 
 
 def split_block(block: Block, cut: Cut) -> tuple[list[Block], list[Block]]:
@@ -440,8 +436,8 @@ def faces_toward(block: Block, direction: Floats) -> list[int]:
     return [k for k in np.argsort(-cosine, kind="stable").tolist() if cosine[k] > 0.7]
 
 
-def insert_block(model: Model, block: Block, *, fixed: bool = False) -> Model:
-    """The model with an additional block and its contacts.
+def insert_block(model: Model, block: Block) -> Model:
+    """The model with an additional free block and its contacts.
 
     Parameters
     ----------
@@ -449,15 +445,13 @@ def insert_block(model: Model, block: Block, *, fixed: bool = False) -> Model:
         Is not changed.
     block
         The new one, in its place.
-    fixed
-        Whether it is a support.
 
     Raises
     ------
     InputError
         A block has its name already.
     """
-    return changed(model, added=(block,), fixed=(fixed,))
+    return changed(model, added=(block,), fixed=(False,))
 
 
 def turn_joint(
@@ -531,7 +525,7 @@ def still_edge(model: Model, interface: int, side: float, first: int | None = No
     return float(-np.sign(side) if ends[1] and not ends[0] else np.sign(side))
 
 
-def move_joint(model: Model, interface: int, distance: float, first: int | None = None) -> Model:
+def move_joint(model: Model, interface: int, distance: float) -> Model:
     """The model with a joint moved along its normal, into block b where ``distance`` [m] > 0.
 
     If block b extends beyond the joint, block a is let into it.
@@ -544,10 +538,8 @@ def move_joint(model: Model, interface: int, distance: float, first: int | None 
         Number of an interface of the joint.
     distance : [m]
         Into block b where it is above zero, into block a below.
-    first
-        Which of the two blocks is block a; left out, that of the contacts.
     """
-    return recut(model, [move_cut(joint_plane(model, interface, first), distance)])
+    return recut(model, [move_cut(joint_plane(model, interface), distance)])
 
 
 def move_cut(joint: JointPlane, distance: float) -> JointRecut:
@@ -597,77 +589,6 @@ def wedge_cut(joint: JointPlane, sharpness: float, axis: Floats | None = None) -
     return _divided(joint, normals, np.array([ridge, ridge]), words, sharpness > 0.0)
 
 
-def key_joint(
-    model: Model, interface: int, depth: float, share: float = 0.5, axis: Floats | None = None
-) -> Model:
-    """The model with a key: in a strip of the joint block a extends into block b.
-
-    Parameters
-    ----------
-    model
-    interface
-        Number of an interface of the joint.
-    depth : [m] > 0
-    share : > 0, < 1
-        Width of the key by that of the joint.
-    axis : (3,), optional
-        Along which the key runs. Left out, the horizontal line in the joint.
-    """
-    joint = joint_plane(model, interface)
-    _, across, low, high = _lines(joint, axis)
-    middle, half = 0.5 * (low + high), 0.5 * share * (high - low)
-    sides = [(across, middle + half), (-across, half - middle)]
-    return _strip(model, joint, sides, depth, "a key")
-
-
-def hook_joint(
-    model: Model,
-    interface: int,
-    depth: float,
-    undercut: float = 0.0,
-    axis: Floats | None = None,
-    side: int = 1,
-) -> Model:
-    """The model with a hook: in half of the joint block a extends into block b.
-
-    Parameters
-    ----------
-    model
-    interface
-        Number of an interface of the joint.
-    depth : [m] > 0
-    undercut : [degrees]
-        Inclination of the face in the middle over block b: the hook then carries tension.
-    axis : (3,), optional
-        Along which the hook runs. Left out, the horizontal line in the joint.
-    side
-        1 or -1, the half that reaches over.
-    """
-    joint = joint_plane(model, interface)
-    along = _axis(joint, axis)
-    across = np.sign(side) * np.cross(joint.normal, along)
-    low, high = joint.reach(across)
-    lean = np.tan(np.deg2rad(undercut))
-    normal = -across - lean * joint.normal
-    return _strip(model, joint, [(normal, -0.5 * (low + high))], depth, "a hook")
-
-
-def _strip(
-    model: Model,
-    joint: JointPlane,
-    sides: list[tuple[Floats, float]],
-    depth: float,
-    what: str,
-) -> Model:
-    """The part of block b within planes about the centre, to a depth, given to block a."""
-    planes = [*sides, (joint.normal, depth)]
-    normals = np.array([normal for normal, _ in planes])
-    size = np.linalg.norm(normals, axis=1, keepdims=True)
-    at = np.array([offset for _, offset in planes])[:, None] * normals / size**2
-    cell = Cell.below(normals, joint.centre + at)
-    return recut(model, [JointRecut(joint, (cell,), (), what)])
-
-
 def _divided(
     joint: JointPlane, normals: Floats, points: Floats, words: str, a_convex: bool = True
 ) -> JointRecut:
@@ -682,17 +603,12 @@ def _divided(
 
 def _lines(joint: JointPlane, axis: Floats | None) -> tuple[Floats, Floats, float, float]:
     """An axis in the plane of a joint, the direction across it, and how far the joint reaches."""
-    along = _axis(joint, axis)
+    along = joint.frame[1]
+    if axis is not None:
+        given = unit(axis, "axis")
+        flat = given - (given @ joint.normal) * joint.normal
+        if float(np.linalg.norm(flat)) < 1e-6:
+            raise InputError("the axis is normal to the joint", remedy="give one that lies in it")
+        along = unit(flat, "axis")
     across = np.cross(joint.normal, along)
     return along, across, *joint.reach(across)
-
-
-def _axis(joint: JointPlane, axis: Floats | None) -> Floats:
-    """A unit vector (3,) in the plane of a joint."""
-    if axis is None:
-        return joint.frame[1]
-    given = unit(axis, "axis")
-    flat = given - (given @ joint.normal) * joint.normal
-    if float(np.linalg.norm(flat)) < 1e-6:
-        raise InputError("the axis is normal to the joint", remedy="give one that lies in it")
-    return unit(flat, "axis")

@@ -13,9 +13,7 @@ from drystone import Assembly, InputError, LoadCase, Model, find_contacts
 from drystone.design import (
     cut_block,
     faces_toward,
-    hook_joint,
     insert_block,
-    key_joint,
     merge_blocks,
     move_face,
     move_joint,
@@ -38,8 +36,6 @@ CHANGES: list[tuple[Callable[..., Model], tuple[Any, ...], list[float]]] = [
     (move_joint, (-0.1,), [1.0]),
     (wedge_joint, (20.0,), [0.5 / np.cos(np.deg2rad(20.0))] * 2),
     (wedge_joint, (-20.0,), [0.5 / np.cos(np.deg2rad(20.0))] * 2),
-    (key_joint, (0.1,), [0.1, 0.1, 0.25, 0.25, 0.5]),
-    (hook_joint, (0.1,), [0.1, 0.5, 0.5]),
 ]
 """A change of the joint of two unit cubes, and the areas of the joint that it makes."""
 
