@@ -24,7 +24,6 @@ from drystone.cli.offered import (
     OUTPUT,
     Analysis,
     Argument,
-    Experts,
     GroupedOption,
     HelpedArgument,
     Of,
@@ -189,11 +188,6 @@ def parts_of(known: Mapping[str, tuple[Any, Any]]) -> list[Part]:
         elif is_dataclass(kind) and isinstance(kind, type):
             inner = parts_of(_known(kind))
             params = [param for part in inner for param in part.params]
-            for param in params:
-                if isinstance(param, GroupedOption):
-                    param.expert |= any(
-                        isinstance(mark, Experts) and param.name not in mark.but for mark in marks
-                    )
             parts.append(Part(name, params, partial(_instance, kind, inner)))
         else:
             param = param_of(name, hint, default)

@@ -64,19 +64,12 @@ def shell_family(name: str) -> tuple[Callable[..., Any], Parameters] | None:
     surface = name.removesuffix(_SHELL)
     if surface == name:
         return None
-    from drystone.shells import shell_by_name
-
-    return partial(shell_by_name, surface), shell_parameters()
-
-
-def shell_parameters() -> Parameters:
-    """The parameters of a shell, but for its surface."""
     from drystone.base.declared import declared
     from drystone.shells import shell_by_name
 
     known = dict(declared(shell_by_name))
     del known["surface"]
-    return known
+    return partial(shell_by_name, surface), known
 
 
 def refuse_unknown(name: str, known: Parameters, where: str) -> None:

@@ -59,13 +59,6 @@ def writes(help: str, *suffixes: str, flags: tuple[str, ...] = (), expert: bool 
 
 
 @dataclass(frozen=True)
-class Experts:
-    """Marks a dataclass of options whose options are shown by ``--help-all`` only, but for some."""
-
-    but: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True)
 class Analysis:
     """An analysis, and the options that were given for it.
 

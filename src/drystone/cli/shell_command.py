@@ -1,30 +1,20 @@
-"""``drystone shell``: a surface divided into blocks, with files and a verdict; and ``tune``.
-
-The search for parameters is that of ``tune`` and of ``shell --vary``.
-"""
+"""``drystone shell``: a surface divided into blocks, with files and a verdict; and ``tune``."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-from drystone.base.display import differing
 from drystone.base.errors import InputError, located
 from drystone.cli import families, kinds, offered
 from drystone.cli.check_command import safe, solve
 from drystone.cli.command import command
 from drystone.cli.model_input import HOW
-from drystone.cli.offered import MODEL, OUTPUT, Analysis, Argument, Experts, Of, Option, writes
-from drystone.cli.shell_pattern import (
-    ShellPattern,
-    find_buildable,
-    shell_on,
-    varied_shell,
-    with_values,
-)
+from drystone.cli.offered import MODEL, OUTPUT, Analysis, Argument, Of, Option, writes
+from drystone.cli.shell_pattern import ShellPattern, find_buildable
 from drystone.cli.surfaces import SurfaceRequest, surface_of
 from drystone.cli.told import Pictures, Told, apart
 from drystone.cli.waiting import Waiting
@@ -34,89 +24,6 @@ if TYPE_CHECKING:
     from drystone.cli.told import Files, Jobs
     from drystone.design import Parameter, Tuned, TuneOptions
     from drystone.shells import Shell
-
-
-@dataclass(frozen=True)
-class SearchRequest:
-    """What is varied, what is asked of it, and how long."""
-
-    vary: Annotated[
-        tuple[str, ...],
-        Option(
-            "A parameter and its bounds, or values separated by commas, to be searched. Can be "
-            "given several times.",
-            MODEL,
-            metavar="NAME=LOW:HIGH",
-        ),
-    ] = ()
-    least: Annotated[
-        tuple[str, ...],
-        Option(
-            "What is to be least: volume, blocks, height, reach, props, held or a parameter "
-            "(volume).",
-            metavar="GOAL",
-        ),
-    ] = ()
-    most: Annotated[tuple[str, ...], Option("What is to be most.", metavar="GOAL")] = ()
-    chosen: Annotated[
-        TuneOptions,
-        Of(
-            "drystone.design.TuneOptions",
-            without=("batch",),
-            shown=("props", "trials"),
-            metavars={"margin": "WHAT"},
-        ),
-    ] = None  # type: ignore[assignment]  # made by the command
-    workers: offered.Workers = 1
-    store: Annotated[
-        Path | None,
-        Option(
-            "File that keeps the trials: an interrupted search continues from it.",
-            OUTPUT,
-            kind=kinds.target(),
-        ),
-    ] = None
-
-    def refuse_without_vary(self) -> None:
-        """Raise InputError where an option of the search is given, and nothing is varied."""
-        given = [name for name in ("least", "most", "store") if getattr(self, name)]
-        given += differing(self.chosen)
-        if given or self.workers != 1:
-            raise InputError(
-                "is for a search of parameters",
-                where=f"--{[*given, 'workers'][0]}",
-                remedy="give --vary NAME=LOW:HIGH with it",
-            )
-
-    def run(
-        self,
-        build: Callable[..., Any],
-        known: families.Parameters,
-        how: Mapping[str, Any],
-        waiting: Waiting,
-        time_limit: float | None,
-    ) -> Tuned:
-        """Search for the values with which what ``build`` makes stands and is best.
-
-        Raises
-        ------
-        InputError
-            Nothing is varied, a parameter is not known, or the search refuses what is asked.
-        """
-        if not self.vary:
-            raise InputError(
-                "nothing is varied", where="--vary", remedy="write --vary NAME=LOW:HIGH"
-            )
-        ranges = [parameter_range(text, known) for text in self.vary]
-        from drystone import design  # work is imported when there is some
-
-        goals = (*self.least, *(f"-{goal}" for goal in self.most)) or ("volume",)
-        waiting.stage("tune", "searching")
-        waiting.checkpoint = self.store
-        with waiting.keywords(time_limit, self.workers) as common:
-            return design.tune(
-                build, ranges, goals=goals, how=how, store=self.store, options=self.chosen, **common
-            )
 
 
 def parameter_range(text: str, known: families.Parameters) -> Parameter:
@@ -160,7 +67,42 @@ def tune(
     ],
     set: families.Settings = (),
     reading: Annotated[Analysis, HOW(("friction", "ends"), shown=("friction",))],
-    search: SearchRequest,
+    vary: Annotated[
+        tuple[str, ...],
+        Option(
+            "A parameter and its bounds, or values separated by commas, to be searched. Can be "
+            "given several times.",
+            MODEL,
+            metavar="NAME=LOW:HIGH",
+        ),
+    ] = (),
+    least: Annotated[
+        tuple[str, ...],
+        Option(
+            "What is to be least: volume, blocks, height, reach, props, held or a parameter "
+            "(volume).",
+            metavar="GOAL",
+        ),
+    ] = (),
+    most: Annotated[tuple[str, ...], Option("What is to be most.", metavar="GOAL")] = (),
+    chosen: Annotated[
+        TuneOptions,
+        Of(
+            "drystone.design.TuneOptions",
+            without=("batch",),
+            shown=("props", "trials"),
+            metavars={"margin": "WHAT"},
+        ),
+    ],
+    workers: offered.Workers = 1,
+    store: Annotated[
+        Path | None,
+        Option(
+            "File that keeps the trials: an interrupted search continues from it.",
+            OUTPUT,
+            kind=kinds.target(),
+        ),
+    ] = None,
     out: Annotated[
         Path | None,
         Option("Write the best model by the first goal.", OUTPUT, kind=kinds.MODEL_FILE),
@@ -181,18 +123,27 @@ def tune(
     """
     build, known = families.shell_family(family) or families.family(family)
     given = dict(families.setting(text, known) for text in set)
-    twice = {text.partition("=")[0].replace("-", "_") for text in search.vary} & given.keys()
+    twice = {text.partition("=")[0].replace("-", "_") for text in vary} & given.keys()
     if twice:
         raise InputError(
             f"{', '.join(sorted(twice))} is set, and varied",
             where="--set",
             remedy="give one of them",
         )
-    made = partial(build, **given)
-    found = search.run(made, known, reading.given, waiting, time_limit)
-    return Told(
-        found, subject=family, files=partial(_tuned_files, found, made, reading.given, out, png)
-    )
+    if not vary:
+        raise InputError("nothing is varied", where="--vary", remedy="write --vary NAME=LOW:HIGH")
+    ranges = [parameter_range(text, known) for text in vary]
+    from drystone import design  # work is imported when there is some
+
+    made, how = partial(build, **given), reading.given
+    goals = (*least, *(f"-{goal}" for goal in most)) or ("volume",)
+    waiting.stage("tune", "searching")
+    waiting.checkpoint = store
+    with waiting.keywords(time_limit, workers) as common:
+        found = design.tune(
+            made, ranges, goals=goals, how=how, store=store, options=chosen, **common
+        )
+    return Told(found, subject=family, files=partial(_tuned_files, found, made, how, out, png))
 
 
 def _tuned_files(
@@ -227,7 +178,7 @@ def shell(
             "course, so that the fewest blocks need help, propped or held, while it is built."
         ),
     ] = False,
-    search: Annotated[SearchRequest, Experts(but=("vary",))],
+    workers: offered.Workers = 1,
     reading: Annotated[Analysis, HOW(("friction", "ends"), shown=("friction",))],
     time_limit: offered.TimeLimit = None,
     out: Annotated[
@@ -258,8 +209,6 @@ def shell(
 ) -> Told:  # fmt: skip
     """Divide a surface into blocks that fit, and check whether they stand.
 
-    With --vary its options are searched, as ``drystone tune`` does; the best shell is the answer.
-
     Exit code 0: it stands. 1: it does not. 2: bad input. 130: Ctrl-C ended it; of a search the best
     shell so far is written.
     """
@@ -269,6 +218,8 @@ def shell(
         raise InputError(
             "is for --block-files", where="--block-format", remedy="name a folder with that"
         )
+    if workers != 1 and not buildable:
+        raise InputError("is for --buildable", where="--workers", remedy="give that with it")
     from drystone.stability.doubts import unit_doubts
 
     waiting.stage("read", "building the shell")
@@ -279,34 +230,19 @@ def shell(
             base = surface_of(wanted)
         else:
             waiting.warn(doubt.text)
-    tuned = None
-    if search.vary:
-        if buildable:
-            raise InputError(
-                "are two searches", where="--buildable and --vary", remedy="give one of them"
-            )
-        tuned = _search(wanted, pattern, search, reading.given, waiting, time_limit)
-        if not tuned.front:
-            return Told(tuned, subject=wanted.surface)
-        wanted, pattern = with_values(wanted, pattern, **tuned.front[0].values)
-        base = surface_of(wanted)
-    else:
-        # workers are for the search of wedges as well
-        (replace(search, workers=1) if buildable else search).refuse_without_vary()
     from drystone.shells import build_shell, write_blocks
     from drystone.shells.shell_families import COURSES
 
     waiting.stage("read", "building the shell")
     told = None
+    layout = pattern.layout(base.width, COURSES if buildable else base.courses)
+    body = pattern.body(wanted.sizes.get("thickness"))
     if buildable:
-        layout = pattern.layout(base.width, COURSES)
-        body = pattern.body(wanted.sizes.get("thickness"))
         told = find_buildable(
-            base.shape, layout, body, pattern, reading.given, waiting, time_limit, search.workers
+            base.shape, layout, body, pattern, reading.given, waiting, time_limit, workers
         )
-        made = build_shell(base.shape, told.layout or layout, body)
-    else:
-        made = shell_on(base, wanted, pattern, waiting)
+        layout = told.layout or layout
+    made = build_shell(base.shape, layout, body, progress=waiting)
     model = replace(made.model(**reading.given), notes=(*base.notes, *made.notes))
     pictures.require_through(model.assembly)
     result = safe(solve(model, waiting, time_limit), waiting)
@@ -314,27 +250,11 @@ def shell(
         write_blocks(made, block_files, suffix=f".{block_format or 'obj'}")
         waiting.wrote = [f"{block_files} ({len(made.voussoirs)} files)"]
     files = partial(_files, made, out, schedule, unrolled, pictures.of(result)[0])
-    also = {"shell": made, "buildable": told, "search": tuned}
+    also = {"shell": made, "buildable": told}
     return Told(
         result, {key: one for key, one in also.items() if one is not None}, base.shape.name,
         notes=result.model.notes, files=files, written=waiting.wrote,
     )  # fmt: skip
-
-
-def _search(
-    wanted: SurfaceRequest,
-    pattern: ShellPattern,
-    search: SearchRequest,
-    joints: Mapping[str, Any],
-    waiting: Waiting,
-    time_limit: float | None,
-) -> Tuned:
-    """The shells that were tried."""
-    known = families.shell_parameters()
-    ranges = [parameter_range(text, known) for text in search.vary]
-    with_values(wanted, pattern, **{one.name: one.choices[0] if one.choices else one.low
-                                    for one in ranges})  # fmt: skip
-    return search.run(partial(varied_shell, wanted, pattern), known, joints, waiting, time_limit)
 
 
 def _files(

@@ -10,12 +10,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 from drystone.base.errors import InputError
 from drystone.cli import kinds
 from drystone.cli.offered import Analysis, Of, Option
-from drystone.cli.surfaces import SIZES, Surface, SurfaceRequest, refuse_unused, surface_of
 from drystone.cli.waiting import Waiting
 
 if TYPE_CHECKING:
     from drystone.design import Buildable
-    from drystone.shells import Layout, Shape, Shell, ShellBody
+    from drystone.shells import Layout, Shape, ShellBody
 
 
 def _count_or_auto(text: str) -> int | None:
@@ -122,45 +121,6 @@ class ShellPattern:
             joints=given.get("joints", JointForm.PLANE),
             ground=given.get("ground", Ground.SPRINGERS),
         )
-
-
-def shell_on(
-    base: Surface, wanted: SurfaceRequest, pattern: ShellPattern, progress: Any = None
-) -> Shell:
-    """The shell that is asked for, on its surface."""
-    from drystone.shells import build_shell
-
-    layout = pattern.layout(base.width, base.courses)
-    body = pattern.body(wanted.sizes.get("thickness"))
-    return build_shell(base.shape, layout, body, progress=progress)
-
-
-def with_values(
-    wanted: SurfaceRequest, pattern: ShellPattern, **values: Any
-) -> tuple[SurfaceRequest, ShellPattern]:
-    """What is asked for, with other values of some of its options.
-
-    Raises
-    ------
-    InputError
-        A value is of an option that this surface does not have, or two say the same thing.
-    """
-    own = {name: value for name, value in values.items() if name in SIZES}
-    others = {name: value for name, value in values.items() if name not in (*SIZES, "wedge")}
-    size, blocks = wanted.size, pattern.blocks
-    surface = replace(wanted, size=replace(size, given={**size.given, **own}))
-    division = replace(pattern, blocks=replace(blocks, given={**blocks.given, **others}))
-    if "wedge" in values:
-        division = replace(division, wedge=(values["wedge"],))
-    refuse_unused(surface)
-    division.refuse_two_ways()
-    return surface, division
-
-
-def varied_shell(wanted: SurfaceRequest, pattern: ShellPattern, **values: Any) -> Shell:
-    """The shell with other values of some of its options; processes of a search can import it."""
-    surface, division = with_values(wanted, pattern, **values)
-    return shell_on(surface_of(surface), surface, division)
 
 
 _COURSES, _WIDTHS = (0.5, 0.75, 1.0), (1.6, 1.3, 1.0)

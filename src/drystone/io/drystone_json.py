@@ -9,11 +9,11 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from drystone.assembly import DEFAULT_DENSITY, Assembly
-from drystone.base.arrays import Floats
 from drystone.base.errors import FormatError, InputError
 from drystone.contacts import Contacts
 from drystone.detection import DetectionOptions
@@ -36,30 +36,17 @@ LOAD = (
     *("name", "wrench", "motion", "acceleration", "shake", "masses", "given", "surface", "notes"),
     "parts",
 )
-ARRAYS = {
-    "force": 3,
-    "force_with_props": 3,
-    "tension": None,
-    "displacement": 6,
-    "mechanism": 6,
-    "prop": 6,
+ARRAYS: dict[str, tuple[int, ...]] = {
+    **dict.fromkeys(("force", "force_with_props"), (3,)),
+    "tension": (),
+    **dict.fromkeys(("displacement", "mechanism", "prop"), (6,)),
 }
-"""Columns of the arrays of a result; ``None`` for a plain vector."""
-RESULT = (
-    *("method", "verdict", "message", "load", *ARRAYS, "falling", "samples", "residuals", "eta"),
-    *(
-        "tilt_margin",
-        "tilt_about",
-        "friction_margin",
-        "crushing_factor",
-        "sensitive_to",
-        "stopped",
-        "options",
-        "solver",
-        "iterations",
-        "time_s",
-    ),
-)
+"""Columns of the arrays of a result; none of a plain vector."""
+TEXTS = ("message", "tilt_about", "stopped", "solver")
+NUMBERS = ("eta", "tilt_margin", "friction_margin", "crushing_factor")
+PLAIN = ("method", "verdict", "falling", "samples", "residuals", "options", "iterations", "time_s")
+"""The rest of a result as JSON has it, beside its load and what its verdict depends on."""
+RESULT = (*PLAIN, *TEXTS, *NUMBERS, *ARRAYS, "load", "sensitive_to")
 _HEAVIEST = 1e9
 """[kg/m3], chosen: denser than any material; keeps products of masses finite."""
 
@@ -184,11 +171,6 @@ def _capacity(field: Field, count: int) -> JointCapacity | None:
     return JointCapacity(**given, brittle=brittle)
 
 
-def _number(field: Field, key: str) -> float | None:
-    """A number that may be missing."""
-    return field[key].number() if field.has(key) else None
-
-
 def _load(field: Field, assembly: Assembly) -> LoadCase:
     field.only(LOAD)
     name = field.get("name", "load").text()
@@ -247,46 +229,28 @@ def _result(
     if any(not 0 <= i < len(assembly) for i in falling):
         raise field["falling"].error("has a block that does not exist")
     rows = dict.fromkeys(("force", "force_with_props", "tension"), contacts.corner_count)
-
-    def array(name: str) -> Floats | None:
-        return _optional(field, name, (rows.get(name, len(assembly)), ARRAYS[name]))
-
     sensitive = [one.text().upper() for one in field.get("sensitive_to", []).elements()]
     if not set(sensitive) <= set(Sensitivity.__members__):
         words = ", ".join(name.lower() for name in Sensitivity.__members__)
         raise field["sensitive_to"].error("names what is not known", f"use some of {words}")
+    told: dict[str, Any] = {name: field.get(name, "").text() for name in TEXTS}
+    told |= {name: field[name].number() for name in NUMBERS if field.has(name)}
+    for name, columns in ARRAYS.items():
+        if field.has(name):
+            told[name] = field[name].floats(rows.get(name, len(assembly)), *columns)
     return Result(
         method=field["method"].text(),
         verdict=Verdict(verdict.value),
         model=Model(assembly, contacts, loads[position]),
-        message=field.get("message", "").text(),
         falling=falling,
         samples=Samples(samples.get("tried", 0).integer(), samples.get("standing", 0).integer()),
         residuals=_residuals(field["residuals"]) if field.has("residuals") else None,
         options=field.value.get("options"),
-        solver=field.get("solver", "").text(),
         iterations=field.get("iterations", 0).integer(),
         time_s={key: value.number() for key, value in field.get("time_s", {}).items()},
-        force=array("force"),
-        force_with_props=array("force_with_props"),
-        tension=array("tension"),
-        displacement=array("displacement"),
-        mechanism=array("mechanism"),
-        prop=array("prop"),
         sensitive_to=tuple(Sensitivity[name] for name in sensitive),
-        eta=field["eta"].number() if field.has("eta") else None,
-        tilt_margin=_number(field, "tilt_margin"),
-        tilt_about=field.get("tilt_about", "").text(),
-        friction_margin=_number(field, "friction_margin"),
-        crushing_factor=_number(field, "crushing_factor"),
-        stopped=field.get("stopped", "").text(),
+        **told,
     )
-
-
-def _optional(field: Field, name: str, shape: tuple[int, int | None]) -> Floats | None:
-    if not field.has(name):
-        return None
-    return field[name].floats(*(size for size in shape if size is not None))
 
 
 def _residuals(field: Field) -> Residuals:

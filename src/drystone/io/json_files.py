@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import json
 import uuid
 from collections.abc import Sequence
@@ -20,7 +19,7 @@ from drystone.detection import DetectionOptions
 from drystone.io import bricks, compas_json, drystone_json, jsontext
 from drystone.io.compas_contacts import SEARCH
 from drystone.io.draft import Contents, Draft
-from drystone.io.drystone_json import ARRAYS, CONTACTS, SCHEMA, VERSION
+from drystone.io.drystone_json import ARRAYS, CONTACTS, NUMBERS, PLAIN, SCHEMA, TEXTS, VERSION
 from drystone.joint_capacity import DRY
 from drystone.loads import LoadCase
 from drystone.results import Result
@@ -64,12 +63,7 @@ def _content(model: Contents, path: Path) -> dict[str, Any]:
         if not any(load is result.load for load in loads):
             loads.append(result.load)
         position = next(i for i, load in enumerate(loads) if load is result.load)
-        arrays = {
-            name: getattr(result, name).tolist()
-            for name in ARRAYS
-            if getattr(result, name) is not None
-        }
-        results.append(_result_content(result, position, arrays))
+        results.append(_result_content(result, position))
     return {
         "schema": SCHEMA,
         "version": VERSION,
@@ -142,27 +136,14 @@ def _block_content(block: Block, fixed: bool) -> dict[str, Any]:
     return content
 
 
-def _result_content(result: Result, load: int, arrays: dict[str, Any]) -> dict[str, Any]:
+def _result_content(result: Result, load: int) -> dict[str, Any]:
+    plainly = {name: plain(getattr(result, name)) for name in (*PLAIN, *TEXTS, *NUMBERS)}
+    arrays = {name: getattr(result, name) for name in ARRAYS}
     return {
-        "method": result.method,
-        "verdict": result.verdict.value,
-        "message": result.message,
+        **plainly,
         "load": load,
-        **arrays,
-        "falling": list(result.falling),
-        "samples": dataclasses.asdict(result.samples),
-        "residuals": None if result.residuals is None else dataclasses.asdict(result.residuals),
-        "eta": result.eta,
-        "tilt_margin": result.tilt_margin,
-        "tilt_about": result.tilt_about,
-        "friction_margin": result.friction_margin,
-        "crushing_factor": result.crushing_factor,
+        **{name: values.tolist() for name, values in arrays.items() if values is not None},
         "sensitive_to": [one.name.lower() for one in result.sensitive_to],
-        "stopped": result.stopped,
-        "options": plain(result.options),
-        "solver": result.solver,
-        "iterations": result.iterations,
-        "time_s": dict(result.time_s),
     }
 
 

@@ -109,50 +109,6 @@ def test_the_help_that_a_shell_needs_is_a_goal(
     assert told["front"][0]["goals"] == [counts["propped"], counts["held"]]
 
 
-def test_a_shell_is_searched_by_its_own_options(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """The same search as ``tune barrel-shell``, with what ``shell`` writes and tells."""
-    out, store = tmp_path / "shell.json", tmp_path / "trials.log"
-    given = ["--vary", "thickness=0.4:0.9", "--vary", "wedge=0:0.3", "--least", "volume"]
-    given += ["--props", "2", "--trials", "3", "--friction", "0.7"]
-    size = ["--courses", "3", "--blocks", "2", "--length", "2"]
-    words = ["shell", "barrel", *size, *given, "--out", str(out), "--store", str(store), "--json"]
-    code = main(words)
-    told = json.loads(capsys.readouterr().out)
-    assert code == 0
-    best = told["search"]["front"][0]
-    model = drystone.read(out)
-    assert drystone.check(model).stable
-    assert model.assembly.volume[model.assembly.free].sum() == pytest.approx(best["goals"][0])
-    assert planned_counts(model)[0]["propped"] <= 2
-    settings = [f"{name[2:]}={value}" for name, value in zip(size[::2], size[1::2], strict=True)]
-    sets = [word for one in settings for word in ("--set", one)]
-    assert main(["tune", "barrel-shell", *sets, *given, "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["trials"] == told["search"]["trials"]
-    assert main(words) == 0  # from the store
-    again = json.loads(capsys.readouterr().out)["search"]
-    assert again["trials"] == told["search"]["trials"]
-
-
-@pytest.mark.parametrize(
-    ("words", "why"),
-    [
-        ("shell dome --props 0", "give --vary"),
-        ("shell dome --vary rise=1:2", "is for barrel, free-edge, three-vaults, tri-dome"),
-        ("shell dome --vary stones=1:2", "no parameter 'stones'"),
-        ("shell dome --vary thickness=0.3:0.2", "are empty"),
-        ("shell dome --vary thickness=0.2:0.3 --buildable", "are two searches"),
-        ("shell dome --blocks 6 --vary width=1:2", "say the same thing"),
-    ],
-)
-def test_a_search_of_a_shell_that_makes_no_sense_is_refused(
-    words: str, why: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert main(words.split()) == 2
-    assert why in capsys.readouterr().err
-
-
 def test_a_structure_that_needs_too_many_props_is_told_as_such() -> None:
     asked = ("props", "held"), DesignMargin(), 0
     goals, good, why = outcome_of(partial(arch, 0.3), {"friction": 0.4}, *asked, {"voussoirs": 5})
