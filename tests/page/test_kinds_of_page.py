@@ -15,16 +15,14 @@ import pytest
 import drystone
 from drystone.answer import Answer
 from drystone.design import Changed, MendOptions, find_mends
-from drystone.detection import find_contacts, gap_sweep
 from drystone.fall import Film
-from drystone.io import Inspection
 from drystone.limits import limit_thickness, tilt_sweep
 from drystone.loads import LoadCase
 from drystone.models import arch, shelf, tower
 from drystone.report import save_instructions, save_joints
 from drystone.sequence import PlanOptions, Robot, Rules, ScaffoldOptions, plan, scaffolding
 from drystone.settlement import move_supports, push, support_response
-from drystone.view import Frame, save_page
+from drystone.view import Frame
 from drystone.view.subjects import Subject
 from tests.page.browser import Tab
 
@@ -142,14 +140,6 @@ def test_a_mend_that_is_listed_shows_its_stage(opened: Callable[..., Tab]) -> No
     tab.run(f"{row}.focus()")
     tab.send("Input.dispatchKeyEvent", type="keyDown", key="Enter", code="Enter", text="\r")
     assert tab.text("h1").startswith("Mend 1: ")
-    use_all_controls(tab)
-
-
-def test_the_page_of_a_search_for_contacts_has_its_sweep(opened: Callable[..., Tab]) -> None:
-    swept = gap_sweep(tower(3), [1e-5, 1e-3])
-    found = find_contacts(tower(3))
-    tab = opened(lambda path: save_page(Inspection(tower(3), found, swept), path))
-    assert "Gap tolerance" in tab.text("#controls")
     use_all_controls(tab)
 
 

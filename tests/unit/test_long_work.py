@@ -94,7 +94,6 @@ SHARED: dict[str, Callable[..., Any]] = {
     "handling": lambda **how: sequence.handling(PLAN, **how),
     "take_turns": lambda **how: sequence.take_turns(ARCH, **how),
     "gravity_region": lambda **how: sequence.gravity_region(ARCH, directions=6, **how),
-    "gap_sweep": lambda **how: detection.gap_sweep(models.tower(3), [1e-5, 1e-4, 1e-3], **how),
 }
 
 

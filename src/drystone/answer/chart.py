@@ -64,8 +64,6 @@ class Chart(OneLine):
     caption
     lines
         Values across that are marked, with their texts.
-    logarithmic
-        Whether the axis across is.
     polar
         x are directions [degrees] from the axis to the right, y the distances from the middle.
     top
@@ -79,7 +77,6 @@ class Chart(OneLine):
     units: tuple[str, str] = ("", "")
     caption: str = ""
     lines: tuple[tuple[float, str], ...] = ()
-    logarithmic: bool = False
     polar: bool = False
     top: float | None = None
 

@@ -166,11 +166,10 @@ def _refuse_other_suffix(target: str, chosen: Format) -> None:
         )
 
 
-@command("drystone inspect arch.json", "drystone inspect arch.json --sweep --html contacts.html")
+@command("drystone inspect arch.json", "drystone inspect arch.json --html contacts.html")
 def inspect(
     *,
     source: Inspected,
-    sweep: Annotated[bool, Option("Count the contacts for many gap tolerances.", CONTACTS)] = False,
     pictures: Pictures,
     everything: Annotated[bool, Option("List every block.", OUTPUT, ("--all",))] = False,
     waiting: Waiting,
@@ -181,7 +180,7 @@ def inspect(
     be used. 2: some cannot.
     """
     from drystone import io  # the program starts fast: work is imported when there is some
-    from drystone.detection import find_contacts, gap_sweep
+    from drystone.detection import find_contacts
     from drystone.io.inspection import Inspection, usable
     from drystone.io.opening import tolerances
     from drystone.model import Model
@@ -195,7 +194,7 @@ def inspect(
     options = tolerances(**{name: how.pop(name, None) for name in ("gap", "angle", "edges")})
     built = io.inspect(source.place, **how)
     assembly, notes = usable(built, supports)
-    found = swept = None
+    found = None
     if assembly is not None:
         notes += source.uncut(assembly)
         pictures.require_through(assembly)
@@ -208,10 +207,7 @@ def inspect(
         tried = Model(assembly, found.contacts)
         if supports and (said := on_its_side(tried, source.place, how)):
             notes.append(said)
-        if sweep:
-            waiting.stage("sweep", "trying gaps")
-            swept = gap_sweep(assembly, progress=waiting)
-    answer = Inspection(assembly, found, swept, built, source.name)
+    answer = Inspection(assembly, found, built, source.name)
     files = partial(pictures.of, answer) if assembly is not None else None
     return Told(answer, notes=notes, files=files, everything=everything)
 

@@ -4,10 +4,8 @@ from drystone.base.settings import hold
 from drystone.detection.contact_report import ContactReport as ContactReport
 from drystone.detection.face_overlaps import Overlap as Overlap
 from drystone.detection.find import Detection as Detection
-from drystone.detection.find import GapSweep as GapSweep
 from drystone.detection.find import find_contacts as find_contacts
 from drystone.detection.find import find_overlaps as find_overlaps
-from drystone.detection.find import gap_sweep as gap_sweep
 from drystone.detection.misses import Inexact as Inexact
 from drystone.detection.misses import Shortfall as Shortfall
 from drystone.detection.resample import Resampled as Resampled

@@ -45,8 +45,7 @@ class DetectionOptions(Options):
     gap : >= 0, <= 0.5
         Faces touch up to this distance or this overlap. For faces that are warped or approximate a
         curve, their deviation from the plane is added. The default lies on a plateau: in the models
-        on which it was chosen, the number of interfaces is the same from 1e-5 to 0.02 (see
-        :func:`drystone.detection.gap_sweep`).
+        on which it was chosen, the number of interfaces is the same from 1e-5 to 0.02.
     angle : [deg] >= 0, <= 45
         Largest angle between two faces that touch. The angles due to warp and curvature are added.
     warp : >= 0, <= 0.5

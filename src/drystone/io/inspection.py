@@ -20,7 +20,7 @@ from drystone.answer import (
     SceneStage,
     Sentence,
 )
-from drystone.answer.chart import Chart, MarkKind, Marks
+from drystone.answer.chart import Chart
 from drystone.answer.drawing import interface_layers, state_of
 from drystone.assembly import Assembly, Block
 from drystone.base import units
@@ -30,7 +30,7 @@ from drystone.base.files import digest
 from drystone.base.ragged import Ragged
 from drystone.base.table import Table
 from drystone.contacts import Contacts
-from drystone.detection import ContactReport, Detection, GapSweep
+from drystone.detection import ContactReport, Detection
 from drystone.geometry.surface import worth_drawing
 from drystone.io.build import Built
 from drystone.model import Model
@@ -47,8 +47,6 @@ class Inspection(Answer):
         The blocks without defects; ``None`` where there are none.
     found
         Their contacts, and what the search missed.
-    sweep
-        Number of contacts for many gaps, where that was asked for.
     built
         All blocks of the file, and the defects; ``None`` of an assembly.
     file
@@ -57,7 +55,6 @@ class Inspection(Answer):
 
     usable: Assembly | None
     found: Detection | None
-    sweep: GapSweep | None = None
     built: Built | None = None
     file: str = ""
 
@@ -145,7 +142,6 @@ class Inspection(Answer):
         said = [Sentence(", ".join(told), Role.BAD if self._defects else Role.GOOD)]
         said += self._told_defects()
         lines = [] if self.found is None else list(self.found.report.summary())
-        lines += [] if self.sweep is None else self.sweep.summary()
         return [*said, *map(Sentence, lines)]
 
     def _told_defects(self) -> list[Sentence]:
@@ -173,7 +169,7 @@ class Inspection(Answer):
         return [Table("blocks", columns, {"volume": "m3", "mass": "kg", "size": "m"})]
 
     def numbers(self) -> Mapping[str, Any]:
-        """Where the blocks are, the defects, the contact report and the sweep."""
+        """Where the blocks are, the defects, and the contact report."""
         blocks = self._blocks
         return {
             "volume": sum(float(one.volume) for one in blocks),
@@ -192,7 +188,6 @@ class Inspection(Answer):
                 for one in self._defects
             ],
             "contacts": None if self.found is None else self.found.report.to_dict(),
-            "sweep": None if self.sweep is None else self.sweep.to_dict(),
         }
 
     def layers(self) -> Scene:
@@ -220,32 +215,11 @@ class Inspection(Answer):
         bare = () if self.built is None else self.built.bare
         parts += _polygon_layer("defects", "faces at holes", "help", bare)
         stage = SceneStage("contacts", self.title, message, state_of(assembly), layers=tuple(parts))
-        if self.sweep is not None:
-            charts.append(self.chart(self.sweep))
         own = int(own_blocks(assembly).sum())
         count = f"{counted(own, 'block')}, {contacts.count} interfaces"
         return Scene(
             assembly, contacts, (stage,), f"drystone: {count}", self.asked.facts(),
             charts=tuple(charts),
-        )  # fmt: skip
-
-    def chart(self, sweep: GapSweep) -> Chart:
-        """The number of pairs that touch, by the gap; the plateau is shaded."""
-        low, high = sweep.plateau
-        pairs = sweep.pairs.astype(float)
-        ends = np.array([low, high])
-        marks = (
-            Marks(MarkKind.AREA, ends, np.full(2, pairs.max()), low=np.zeros(2)),
-            Marks(MarkKind.LINE, sweep.gap, pairs),
-        )
-        used = None if self.found is None else self.found.report.options.gap
-        shown = used is not None and sweep.gap[0] <= used <= sweep.gap[-1]
-        told = sweep.summary()[-1]
-        if used is not None:
-            told += f". Dashed: {used:g}, the one used here."
-        return Chart(
-            "Gap tolerance", marks, "gap by block size", "pairs that touch", caption=told,
-            lines=((used, ""),) if shown and used is not None else (), logarithmic=True,
         )  # fmt: skip
 
 

@@ -128,7 +128,7 @@ def _inspect(
         built = inspect_file(path, **own)
     blocks, notes = usable(built, own.get("supports"))
     found = None if blocks is None else find_contacts(blocks, options=tolerances(**search))
-    return told(Inspection(blocks, found, None, built), notes)
+    return told(Inspection(blocks, found, built), notes)
 
 
 def _paths(offered: Offered) -> dict[str, str]:

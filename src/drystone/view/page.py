@@ -53,8 +53,6 @@ def _place(chart: Chart, x: Floats, y: Floats) -> tuple[Floats, Floats]:
         angle, radius = np.deg2rad(x), _REACH * np.nan_to_num(y) / (chart.rise[1] or 1.0)
         return 0.5 * WIDTH + radius * np.cos(angle), _REACH + 28.0 - radius * np.sin(angle)
     (left, right), (low, high) = chart.span, chart.rise
-    if chart.logarithmic:
-        x, left, right = np.log(x), float(np.log(left)), float(np.log(right))
     across = (x - left) / (right - left) if right > left else np.full(np.shape(x), 0.5)
     up = (np.nan_to_num(y) - low) / ((high - low) or 1.0)
     edge = _left(chart)
@@ -126,22 +124,13 @@ def _axes(chart: Chart) -> Iterator[str]:
         rise, _place(chart, np.full(len(rise), chart.span[0]), rise)[1], strict=True
     ):
         yield _text(left - 5.0, y + 4.0, _told(value, chart.units[1], rise), "end")
-    ends = np.array(_across(chart))
+    ends = np.unique(chart.span)
     for value, x in zip(ends, _place(chart, ends, np.zeros(len(ends)))[0].tolist(), strict=True):
         if not (np.abs(marked - x) < 3.0).any():
             told = _told(value, chart.units[0], ends)
             yield _text(x, base + 13.0, told, "start" if x < left + 3.0 else "middle")
     yield _text(0.5 * WIDTH, HEIGHT - 3.0, chart.across)
     yield _text(0.0, 11.0, chart.up, "start")
-
-
-def _across(chart: Chart) -> list[float]:
-    """Values of the axis across that are written."""
-    low, high = chart.span
-    if not chart.logarithmic:
-        return list(dict.fromkeys((low, high)))
-    powers = np.arange(np.ceil(np.log10(low) - 1e-9), np.log10(high) + 1e-9)
-    return [float(10.0**one) for one in powers[:: max(-(-len(powers) // 4), 1)]]
 
 
 def _polar_axes() -> Iterator[str]:

@@ -164,8 +164,6 @@ def draw_chart(axes: Any, chart: Chart) -> None:
         axes.annotate(text, (at, 1.0), xycoords=("data", "axes fraction"), xytext=(-3, -3),
                       textcoords="offset points", fontsize=9, ha="right", va="top",
                       rotation=90)  # fmt: skip
-    if chart.logarithmic:
-        axes.set_xscale("log")
     if chart.polar or chart.top is not None:
         axes.set_ylim(0.0, chart.top)
     if chart.polar:

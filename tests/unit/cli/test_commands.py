@@ -342,13 +342,11 @@ def test_inspect_lists_blocks_defects_and_contacts(tmp_path: Path, capsys: Capsy
     assert "friction" not in out, "contacts are found anew: the file may say another one"
 
 
-def test_inspect_sweeps_the_gap_and_draws_what_was_missed(tmp_path: Path, capsys: Capsys) -> None:
+def test_inspect_draws_what_was_missed(tmp_path: Path, capsys: Capsys) -> None:
     model = file(tmp_path, boxes(base=(0, 0, 0), on=(0, 0, 1), near=(0, 0, 2.02)))
     page, figure = tmp_path / "contacts.html", tmp_path / "contacts.svg"
     pictures = ("--html", str(page), "--png", str(figure))
-    _, told = answer(capsys, "inspect", model, "--sweep", *pictures)
-    assert told["sweep"]["pairs"][0] == 1
-    assert told["sweep"]["pairs"][-1] == 2
+    _, told = answer(capsys, "inspect", model, *pictures)
     assert told["files"] == [str(page), str(figure)]
     assert told["contacts"]["missed"]
     text = page.read_text(encoding="utf-8")
@@ -357,8 +355,6 @@ def test_inspect_sweeps_the_gap_and_draws_what_was_missed(tmp_path: Path, capsys
     assert "near misses" in text
     drawn = figure.read_text(encoding="utf-8").lower()
     assert all(ROLE_COLOUR["light"][role].lower() in drawn for role in ("missed", "interface"))
-    assert main(["inspect", model, "--sweep"]) == 0
-    assert "plateau from" in capsys.readouterr().out
 
 
 def test_the_page_is_not_written_without_the_figure(

@@ -22,7 +22,7 @@ GIVEN: dict[str, list[str]] = {
     "cut": [MODEL, "--block", BLOCK, "--blocks", "2", "--out", "\u5207.json"],
     "dataset": [MODEL, "--rows", "2", "--out", "\u96c6"],
     "fall": [MODEL, "--seismic", "0.4"],
-    "inspect": [MODEL, "--sweep"],
+    "inspect": [MODEL],
     "gravity": [MODEL, "--directions", "2"],
     "interlock": [MODEL],
     "kinematic": [MODEL, "--part", BLOCK],

@@ -7,9 +7,9 @@ import json
 import numpy as np
 import pytest
 
-from drystone import Assembly, Block, InputError, find_contacts
+from drystone import Assembly, Block, find_contacts
 from drystone.assembly import replace_block
-from drystone.detection import DetectionOptions, Reason, gap_sweep
+from drystone.detection import DetectionOptions, Reason
 from drystone.geometry.frames import rotation_about
 from drystone.io.inspection import missed_layers
 from drystone.models import box, concave, random_pack, tower
@@ -94,26 +94,6 @@ def test_report_is_json_and_complete() -> None:
 def test_summary_counts_interfaces_and_pairs() -> None:
     assert find_contacts(concave()).report.summary()[0] == "7 interfaces in 1 pair"
     assert find_contacts(tower(2)).report.summary()[0] == "1 interface in 1 pair"
-
-
-def test_sweep_shows_where_each_gap_closes() -> None:
-    cubes = [
-        box((1.0, 1.0, 1.0), (3.0 * i, 0.0, gap), f"cube-{i}")
-        for i, gap in enumerate((0.0, 1e-3, 3e-2))
-    ]
-    slabs = [box((1.0, 1.0, 1.0), (3.0 * i, 0.0, -1.0), f"slab-{i}") for i in range(3)]
-    sweep = gap_sweep(Assembly((*cubes, *slabs)), [1e-4, 2e-3, 1e-2, 2e-2, 5e-2])
-    assert sweep.interfaces.tolist() == [1, 2, 2, 2, 3]
-    assert sweep.isolated.tolist() == [4, 2, 2, 2, 0]
-    assert sweep.plateau == (2e-3, 2e-2)
-    assert 2e-3 < sweep.chosen < 2e-2
-    assert sum("plateau" in line for line in sweep.summary()) == 4
-    assert json.dumps(sweep.to_dict())
-
-
-def test_sweep_without_a_gap_is_refused() -> None:
-    with pytest.raises(InputError, match="gaps"):
-        gap_sweep(tower(2), [])
 
 
 def on_edge(lift: float) -> Assembly:
