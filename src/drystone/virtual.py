@@ -134,76 +134,6 @@ def shift(
     return _reshaped(contacts, moved, mask)
 
 
-def towards_extrados(
-    contacts: Contacts, centre: Any, axis: Any, factor: float, interfaces: _Choice = None
-) -> Contacts:
-    """Interfaces compressed towards the side far from an axis of curvature; see :func:`shift`.
-
-    Parameters
-    ----------
-    contacts
-        The m interfaces, with k corners.
-    centre : (3,) [m]
-        A point on the axis.
-    axis : (3,) or None
-        Along the axis of an arch or a barrel; ``None`` for a dome, which curves about a point.
-    factor : >= 0, <= 1
-        Remaining share of the extent: 0 keeps only the edge.
-    interfaces
-        Which, by number or a mask (m,); all when left out.
-    """
-    return shift(contacts, _outwards(contacts, centre, axis), factor, interfaces)
-
-
-def towards_intrados(
-    contacts: Contacts, centre: Any, axis: Any, factor: float, interfaces: _Choice = None
-) -> Contacts:
-    """Interfaces compressed towards the side near an axis; see :func:`towards_extrados`.
-
-    Parameters
-    ----------
-    contacts
-        The m interfaces, with k corners.
-    centre : (3,) [m]
-        A point on the axis.
-    axis : (3,) or None
-        Along the axis of an arch or a barrel; ``None`` for a dome, which curves about a point.
-    factor : >= 0, <= 1
-        Remaining share of the extent: 0 keeps only the edge.
-    interfaces
-        Which, by number or a mask (m,); all when left out.
-    """
-    return shift(contacts, -_outwards(contacts, centre, axis), factor, interfaces)
-
-
-def to_edge(contacts: Contacts, direction: Any, interfaces: _Choice = None) -> Contacts:
-    """Interfaces reduced to the edge that lies farthest along a direction; see :func:`shift`.
-
-    Parameters
-    ----------
-    contacts
-        The m interfaces, with k corners.
-    direction : (3,) or (m, 3)
-        One for all, or one for each interface; its component in the plane of the interface counts.
-    interfaces
-        Which, by number or a mask (m,); all when left out.
-    """
-    return shift(contacts, direction, 0.0, interfaces)
-
-
-def to_point(contacts: Contacts, interfaces: _Choice = None) -> Contacts:
-    """Interfaces reduced to their centroids.
-
-    Parameters
-    ----------
-    contacts
-        The m interfaces, with k corners.
-    interfaces
-        Which, by number or a mask (m,); all when left out.
-    """
-    return shrink(contacts, 0.0, interfaces)
-
-
 def to_kern(contacts: Contacts, interfaces: _Choice = None) -> Contacts:
     """Interfaces reduced to their kerns: a force there puts the whole joint in compression.
 
@@ -218,14 +148,6 @@ def to_kern(contacts: Contacts, interfaces: _Choice = None) -> Contacts:
     origin, flat = local_corners(contacts)
     loops = [flat[contacts.start[i] : contacts.start[i + 1]] for i in range(contacts.count)]
     return _replaced(contacts, origin, [kern(c) if mask[i] else c for i, c in enumerate(loops)])
-
-
-def _outwards(contacts: Contacts, centre: Any, axis: Any) -> Floats:
-    away = section_centroids(contacts) - frozen_floats(centre, (3,), "centre")
-    if axis is None:
-        return away
-    along = unit(axis, "axis")
-    return away - (away @ along)[:, None] * along
 
 
 def _mask(contacts: Contacts, interfaces: _Choice) -> Bools:
@@ -290,11 +212,7 @@ __all__ = [
     "section_centroids",
     "shift",
     "shrink",
-    "to_edge",
     "to_kern",
-    "to_point",
-    "towards_extrados",
-    "towards_intrados",
 ]
 
 hold(globals())

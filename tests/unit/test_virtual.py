@@ -20,11 +20,7 @@ from drystone.virtual import (
     section_centroids,
     shift,
     shrink,
-    to_edge,
     to_kern,
-    to_point,
-    towards_extrados,
-    towards_intrados,
 )
 from tests.oracle import touching_faces
 
@@ -65,8 +61,8 @@ def test_only_chosen_interfaces_change_and_the_input_never() -> None:
 
 
 def test_a_point_a_line_and_a_polygon_are_what_shrinking_and_shifting_leave() -> None:
-    assert np.diff(to_point(TOWER).start).tolist() == [1, 1]
-    edge = to_edge(TOWER, (1.0, 0.0, 0.0))
+    assert np.diff(shrink(TOWER, 0.0).start).tolist() == [1, 1]
+    edge = shift(TOWER, (1.0, 0.0, 0.0), 0.0)
     assert np.diff(edge.start).tolist() == [2, 2]
     np.testing.assert_allclose(edge.point[:, 0], 1.0)
     assert edge.area.tolist() == [0.0, 0.0]
@@ -89,8 +85,8 @@ def test_the_kern_of_a_square_joint_is_its_rhombus() -> None:
 
 
 def test_intrados_and_extrados_lie_on_their_circles() -> None:
-    for reduce, radius in ((towards_intrados, 0.925), (towards_extrados, 1.075)):
-        edge = reduce(JOINTS, (0.0, 0.0, 0.0), (0.0, 1.0, 0.0), 0.0)
+    for sign, radius in ((-1.0, 0.925), (1.0, 1.075)):
+        edge = shift(JOINTS, sign * section_centroids(JOINTS) * (1.0, 0.0, 1.0), 0.0)
         np.testing.assert_allclose(np.linalg.norm(edge.point[:, [0, 2]], axis=1), radius)
 
 

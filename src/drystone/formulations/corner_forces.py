@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import enum
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
@@ -43,13 +43,7 @@ class FrictionCone(Options):
     Attributes
     ----------
     sides
-        0 for the exact cone, else the number of sides of a pyramid.
-    circumscribed
-        Pyramid around the cone (claims of impossibility) or inside it (claims of equilibrium).
-    local : >= 0, < inf
-        Friction coefficient of single corners. The coefficient of the interface then bounds only
-        the resultant of the whole interface, so a corner may use more friction than its own normal
-        force allows. ``None``: every corner has the coefficient of the interface.
+        0 for the exact cone, else the number of sides of a pyramid around it.
 
     Notes
     -----
@@ -58,8 +52,6 @@ class FrictionCone(Options):
     """
 
     sides: int = 0
-    circumscribed: bool = True
-    local: float | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -74,7 +66,7 @@ class FrictionCone(Options):
     @classmethod
     def octagon(cls) -> FrictionCone:
         """Eight sides, circumscribed, to reproduce published figures."""
-        return cls(8, circumscribed=True)
+        return cls(8)
 
     @classmethod
     def named(cls, name: str) -> FrictionCone:
@@ -89,11 +81,11 @@ class FrictionCone(Options):
             raise InputError(f"is '{name}'", remedy="use one of exact, octagon")
         return cls.exact() if name == "exact" else cls.octagon()
 
-    def directions(self) -> tuple[Floats, float]:
-        """Unit outward normals (s, 2) of the pyramid's sides, and their distance from the axis."""
+    @property
+    def normals(self) -> Floats:
+        """Unit outward normals (s, 2) of the pyramid's sides."""
         angle = 2.0 * np.pi * np.arange(self.sides) / self.sides
-        reach = 1.0 if self.circumscribed else float(np.cos(np.pi / self.sides))
-        return np.stack([np.cos(angle), np.sin(angle)], axis=1), reach
+        return np.stack([np.cos(angle), np.sin(angle)], axis=1)
 
 
 @dataclass(frozen=True)
@@ -166,10 +158,10 @@ def add_contact_rows(
     k = statics.corner_count
     one = sparse.identity(k, format="csr")
     pull = sparse.kron(one, np.array([[-1.0, 0.0, 0.0]])).tocsr()
-    at_corner = statics.friction if cone.local is None else np.full(k, cone.local)
+    rubs = statics.friction
     bounded = np.ones(k, dtype=bool)
     if unknowns.tension is None and not cone.sides:  # the exact cone of a dry corner says it
-        bounded = (at_corner < SLIPPERY) | (statics.cohesion > 0.0)
+        bounded = (rubs < SLIPPERY) | (statics.cohesion > 0.0)
     bounded &= statics.tension < UNLIMITED
     if bounded.any():
         program.at_most("no pull", statics.tension[bounded], (unknowns.force, pull[bounded]))
@@ -179,22 +171,14 @@ def add_contact_rows(
         program.at_most("tension", np.zeros(k), (unknowns.tension, -1.0))
     if unknowns.length is not None:
         length = [(unknowns.length, np.ones(1))]
-        around = replace(cone, circumscribed=True)
-        _bounded(program, "length of friction", unknowns.force, one, np.ones(k), length, around)
+        _bounded(program, "length of friction", unknowns.force, one, np.ones(k), length, cone)
     cohesion = statics.cohesion
     bound = partial(_bounded, program, force=unknowns.force, bound=unknowns.bearing, cone=cone)
     holds, limited = cohesion < UNLIMITED, statics.shear < UNLIMITED
-    bound("friction", sums=one[holds], coefficient=at_corner[holds], constant=cohesion[holds])
+    bound("friction", sums=one[holds], coefficient=rubs[holds], constant=cohesion[holds])
     if limited.any():
         most = statics.shear[limited]
         bound("shear", sums=one[limited], coefficient=np.zeros(len(most)), constant=most)
-    if cone.local is not None and k:
-        joints, first = np.unique(statics.interface, return_index=True)
-        row = np.searchsorted(joints, statics.interface)
-        together = sparse.csr_matrix((np.ones(k), (row, np.arange(k))), shape=(len(joints), k))
-        whole = np.bincount(row, cohesion, minlength=len(joints)).astype(np.float64)
-        friction = statics.friction[first]
-        bound("friction of joints", sums=together, coefficient=friction, constant=whole)
 
 
 def _within_strength(
@@ -253,10 +237,9 @@ def _bounded(
     row = 1.0 / np.maximum(coefficient, 1.0)
     scaled, sums = sparse.diags(row * coefficient) @ sums, sparse.diags(row) @ sums
     if cone.sides:
-        normals, reach = cone.directions()
-        sides = np.hstack([np.zeros((cone.sides, 1)), normals])
+        sides = np.hstack([np.zeros((cone.sides, 1)), cone.normals])
         terms = [(force, sparse.kron(sums, sides))]
-        each = np.full((cone.sides, 1), -reach)
+        each = np.full((cone.sides, 1), -1.0)
     else:
         terms = [(force, -sparse.kron(sums, np.diag([0.0, 1.0, 1.0])))]
         each = np.array([[-1.0], [0.0], [0.0]])

@@ -490,7 +490,7 @@ class PlaneFactors(LoadFactors):
     ) -> LoadFactors:
         """Those of a problem: in the plane where it is plane, else of the whole."""
         whole = LoadFactors(statics, cone, reserve)
-        if cone.sides or cone.local is not None or not replace(statics, crushing=None).dry:
+        if cone.sides or not replace(statics, crushing=None).dry:
             return whole
         spread, pair = _pairs(statics)
         faces = _faces(statics, pair)

@@ -47,11 +47,11 @@ def test_names_of_blocks_cannot_become_markup(tmp_path: Path) -> None:
 
 
 def test_lines_and_points_have_a_plan_too(tmp_path: Path) -> None:
-    from drystone.virtual import to_edge, to_point
+    from drystone.virtual import shift, shrink
 
     assembly = tower(2)
     joints = touching_faces(assembly, 0.7)
-    for reduced in (to_edge(joints, (1.0, 0.0, 0.0)), to_point(joints)):
+    for reduced in (shift(joints, (1.0, 0.0, 0.0), 0.0), shrink(joints, 0.0)):
         result = solve_rbe(Model(assembly, reduced, LoadCase.gravity(assembly)))
         path = tmp_path / "joints.html"
         if result.force is not None:

@@ -25,7 +25,7 @@ from drystone.settlement import (
     support_response,
 )
 from drystone.view.palette import first_preset, is_shown
-from drystone.virtual import to_edge
+from drystone.virtual import shift
 from tests.oracle import touching_faces
 
 
@@ -55,7 +55,7 @@ def test_settlement_changes_nothing_where_the_forces_are_determinate(drop: float
     feet = beam().blocks[:3]
     beams = [box((1.99, 1.0, 0.2), (x, 0.0, 0.2), f"beam-{x:g}") for x in (0.0, 2.01)]
     assembly = Assembly((*feet, *beams)).with_fixed(list("abc"))
-    edges = to_edge(touching_faces(assembly, 0.6), (1.0, 0.0, 0.0))
+    edges = shift(touching_faces(assembly, 0.6), (1.0, 0.0, 0.0), 0.0)
     answer = support_response(Model(assembly, edges), {"b": (0.0, 0.0, drop)})
     assert answer.result.verdict is Verdict.STABLE
     left = (1.99 - 0.995) / (1.99 - 0.2)
