@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -31,26 +32,11 @@ Pair = tuple[int, int]
 """Two blocks by their positions."""
 
 
-def suggestions(
-    names: Sequence[str],
-    options: DetectionOptions,
-    *,
-    missed: Sequence[Missed],
-    shortfalls: Sequence[Shortfall],
-    overlaps: Sequence[Overlap],
-    duplicates: Sequence[Pair],
-    parts: Sequence[Pair],
-    undirected: Sequence[Pair],
-    isolated: Sequence[int],
-    farther: Sequence[Missed],
-) -> tuple[str, ...]:
-    """Sentences that say which options would join more pairs of blocks.
-
-    The arguments are the attributes of a :class:`ContactReport`; ``undirected`` includes the near
-    ones.
-    """
+def suggestions(report: Any) -> tuple[str, ...]:
+    """Sentences that say which options would join more pairs of blocks of a ``ContactReport``."""
+    names, options, overlaps = report.names, report.options, report.overlaps_left
     said = []
-    apart = [m for m in missed if not m.joined]
+    apart = [m for m in report.missed if not m.joined]
     for reason, knob, unit, digits in (
         (Reason.GAP, "gap", "", 2),
         (Reason.ANGLE, "angle", " degrees", 2),
@@ -63,18 +49,20 @@ def suggestions(
         if needed:
             now = f"{getattr(options, knob):g}"
             said.append(f"raise {knob} from {now} to {_steps(needed, digits, unit)}")
-    said += _for_curved_joints(shortfalls, options)
-    said += _for_overlaps(overlaps, set(duplicates), apart)
-    if parts:
+    said += _for_curved_joints(report.shortfalls, options)
+    said += _for_overlaps(overlaps, set(report.duplicates), apart)
+    if report.parts:
         said.append("split separate parts into blocks (--split, drystone.repair.split_components)")
-    explained = {i for pair in undirected for i in pair}
+    explained = {i for pair in (*report.undirected, *report.near_undirected) for i in pair}
     explained |= {i for p in overlaps for i in (p.block_a, p.block_b)}
     explained |= {i for miss in apart for i in (miss.block_a, miss.block_b)}
-    alone = {*isolated} - explained
-    wide = [m for m in farther if {m.block_a, m.block_b} & alone and m.needed <= LARGEST["gap"]]
+    alone = {*report.isolated} - explained
+    wide = [
+        m for m in report.farther if {m.block_a, m.block_b} & alone and m.needed <= LARGEST["gap"]
+    ]
     said += _for_wide_gaps(names, wide)
     explained |= {i for miss in wide for i in (miss.block_a, miss.block_b)}
-    lost = [names[i] for i in isolated if i not in explained]
+    lost = [names[i] for i in report.isolated if i not in explained]
     if lost and len(names) > 1:
         said.append(f"nothing is near {named(lost, SHOWN)}: is a block missing, or in other units?")
     return tuple(said)

@@ -193,18 +193,7 @@ class ContactReport(Card):
 
     def suggestions(self) -> tuple[str, ...]:
         """Sentences that say which options would join more pairs of blocks."""
-        return suggestions(
-            self.names,
-            self.options,
-            missed=self.missed,
-            shortfalls=self.shortfalls,
-            overlaps=self.overlaps_left,
-            duplicates=self.duplicates,
-            parts=self.parts,
-            undirected=(*self.undirected, *self.near_undirected),
-            isolated=self.isolated,
-            farther=self.farther,
-        )
+        return suggestions(self)
 
     @property
     def bridged(self) -> list[str]:

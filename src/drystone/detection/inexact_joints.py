@@ -148,7 +148,8 @@ def _faces(
     a, b = np.divmod(keys, count)
     farther = replace(options, search=max(options.search, DEEPEST))
     f, g = facing_patches(patches, (a, b), farther)
-    planes, shared, checked = compared(patches, f, g, options)
+    checked = compared(patches, f, g, options)
+    planes, shared = checked.planes, checked.shared
     pair = patches.owner[planes.f] * count + patches.owner[planes.g]
     limit = _limits(assembly, patches, keys)[np.searchsorted(keys, pair)] + checked.slack
     limit = np.maximum(limit, checked.tolerance)

@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
-from typing import NamedTuple
 
 import numpy as np
 
@@ -40,12 +39,14 @@ EXPLAINED = 0.9
 
 
 @dataclass(frozen=True)
-class ToleranceCheck:
-    """Every overlap compared with the tolerances.
+class Compared:
+    """Facing patches, what they share, and how it compares with the tolerances.
 
     Attributes
     ----------
-    tolerance : (q,) [m] of each pair of patches
+    planes : of q pairs of patches
+    shared : their s overlaps
+    tolerance : (q,) [m]
     slack : (q,) [m] the part of it that is due to warp and curvature
     angle : (q,) [rad]
     limit : (q,) [rad]
@@ -55,6 +56,8 @@ class ToleranceCheck:
     too_steep, too_warped : (s,)
     """
 
+    planes: Planes
+    shared: Pieces
     tolerance: Floats
     slack: Floats
     angle: Floats
@@ -66,29 +69,14 @@ class ToleranceCheck:
     too_warped: Bools
 
 
-class Compared(NamedTuple):
-    """The planes between facing patches, their overlaps, and how these are within tolerance."""
-
-    planes: Planes
-    shared: Pieces
-    checked: ToleranceCheck
-
-
 def compared(patches: Patches, f: Ints, g: Ints, options: DetectionOptions) -> Compared:
     """Patches (p,) that face each other, in order of their blocks, compared."""
     order = np.lexsort((g, f, patches.owner[g], patches.owner[f]))
-    planes = planes_between(patches, f[order], g[order])
+    f, g = f[order], g[order]
+    planes = planes_between(patches, f, g)
     shared = overlaps(patches, planes)
-    return Compared(planes, shared, _checked(patches, planes, shared, options))
-
-
-def _checked(
-    patches: Patches, planes: Planes, shared: Pieces, options: DetectionOptions
-) -> ToleranceCheck:
-    """Compare every overlap with the tolerances."""
-    f, g = planes.f, planes.g
-    granted, turned = granted_to(patches, f, g, options)
-    tolerance = options.reach(planes.size) + granted
+    slack, turned = granted_to(patches, f, g, options)
+    tolerance = options.reach(planes.size) + slack
     angle = angles(patches, f, g)
     limit = np.deg2rad(options.angle) + turned
     corner_row = shared.corner_row
@@ -99,21 +87,12 @@ def _checked(
     over = corners.max(np.abs(gap) - tolerance[corner_row])
     row = shared.row
     away = (least > 0.0).astype(np.intp) - (most < 0.0)
-    too_steep = (angle > limit)[row]
-    most_warp = np.maximum(patches.warp[f], patches.warp[g])
-    too_warped = (most_warp > options.warp * planes.size)[row]
-    accepted = (away == 0) & ~(too_steep | too_warped)
+    steep = (angle > limit)[row]
+    warped = (np.maximum(patches.warp[f], patches.warp[g]) > options.warp * planes.size)[row]
+    accepted = (away == 0) & ~(steep | warped)
     partial = marked(row[over > 0.0], len(f))
-    return ToleranceCheck(
-        tolerance,
-        granted,
-        angle,
-        limit,
-        accepted,
-        partial,
-        away,
-        too_steep,
-        too_warped,
+    return Compared(
+        planes, shared, tolerance, slack, angle, limit, accepted, partial, away, steep, warped
     )
 
 
@@ -132,17 +111,13 @@ def dropped(
 
 
 def misses(
-    patches: Patches,
-    planes: Planes,
-    shared: Pieces,
-    found: Pieces,
-    checked: ToleranceCheck,
-    options: DetectionOptions,
+    patches: Patches, checked: Compared, found: Pieces, options: DetectionOptions
 ) -> list[Missed]:
     """Near misses: overlaps just beyond a tolerance, of faces without other contact.
 
     Wider gaps that may be errors of the drawing are among them.
     """
+    planes, shared = checked.planes, checked.shared
     row = shared.row
     refused = ~checked.accepted & (shared.width > NEGLIGIBLE * planes.size[row])
     covered = np.zeros(patches.count)
@@ -165,7 +140,7 @@ def misses(
     chosen, touch = shared.select(refused), touch[refused]
     interfaces = from_pieces(patches, planes, chosen, checked.partial)
     excess = np.rad2deg(checked.angle - checked.limit)[chosen.row] + options.angle
-    far = _far(planes, shared, checked, apart) / size
+    far = _far(checked, apart) / size
     result = []
     for i, piece in enumerate(np.flatnonzero(refused).tolist()):
         if apart[piece] > told[piece]:
@@ -182,12 +157,14 @@ def misses(
     return result
 
 
-def _far(planes: Planes, shared: Pieces, checked: ToleranceCheck, apart: Floats) -> Floats:
+def _far(checked: Compared, apart: Floats) -> Floats:
     """How far (s,) [m] a gap has to reach; of steep faces over all that they share.
 
     On a part of steep faces little stands.
     """
-    widest = Ragged(shared.start).max(np.abs(planes.gap_at(shared.corner, shared.corner_row)))
+    shared = checked.shared
+    gap = checked.planes.gap_at(shared.corner, shared.corner_row)
+    widest = Ragged(shared.start).max(np.abs(gap))
     return np.where(checked.too_steep, widest - checked.slack[shared.row], apart)
 
 
@@ -356,7 +333,7 @@ class Shortfall:
 
 
 def shortfalls(
-    patches: Patches, all_compared: Compared, found: Interfaces, options: DetectionOptions
+    patches: Patches, checked: Compared, found: Interfaces, options: DetectionOptions
 ) -> tuple[Shortfall, ...]:
     """Joints of curved faces with overlaps that were not joined, on faces without other contact.
 
@@ -365,7 +342,7 @@ def shortfalls(
     found
         All interfaces, with those that the search joined beyond its tolerances.
     """
-    planes, shared, checked = all_compared
+    planes, shared = checked.planes, checked.shared
     curved = fits(patches, planes.f, planes.g)
     if shared.count == 0 or not curved.any():
         return ()
@@ -389,7 +366,7 @@ def shortfalls(
     missing = np.maximum(
         *(np.bincount(pair, _bare(patches, side, lost, covered)) for side in (planes.f, planes.g))
     )
-    gap, angle = _needed(planes, shared, checked, options)
+    gap, angle = _needed(checked, options)
     result = []
     for i in np.flatnonzero((joint > 0.0) & (missing > NEGLIGIBLE * (joint + missing))).tolist():
         mine = (pair == i) & (lost > 1e-3 * lost[pair == i].max())
@@ -414,10 +391,9 @@ def _summed(row: Ints, area: Floats, count: int) -> Floats:
     return np.bincount(row, area, minlength=count).astype(np.float64)
 
 
-def _needed(
-    planes: Planes, shared: Pieces, checked: ToleranceCheck, options: DetectionOptions
-) -> tuple[Floats, Floats]:
+def _needed(checked: Compared, options: DetectionOptions) -> tuple[Floats, Floats]:
     """The gap (q,) and the angle (q,) [deg] with which pairs of patches would be joined."""
+    planes, shared = checked.planes, checked.shared
     row = shared.corner_row
     most = np.zeros(len(planes.f))
     np.maximum.at(most, row, np.abs(planes.gap_at(shared.corner, row)))
@@ -431,20 +407,16 @@ def face_contacts(
 ) -> tuple[Interfaces, list[Missed], Compared]:
     """Interfaces with an area, near misses, and all that was compared."""
     f, g = facing_patches(patches, pairs, options)
-    everything = compared(patches, f, g, options)
-    planes, shared, checked = everything
+    checked = compared(patches, f, g, options)
+    planes, shared = checked.planes, checked.shared
     near = within(shared.select(checked.accepted), planes, checked.tolerance)
     wide = near.width > options.sliver * planes.size[near.row]
     wide &= ~negligible(patches, planes, near)
     touching = near.select(wide)
     found, hidden = uncovered(patches, planes, touching)
     missed = [
-        *misses(patches, planes, shared, found, checked, options),
+        *misses(patches, checked, found, options),
         *dropped(patches, planes, near.select(~wide), found, Reason.SLIVER),
         *dropped(patches, planes, touching.select(hidden[touching.row]), found, Reason.HIDDEN),
     ]
-    return (
-        from_pieces(patches, planes, found, checked.partial),
-        missed,
-        Compared(planes, shared, checked),
-    )
+    return from_pieces(patches, planes, found, checked.partial), missed, checked

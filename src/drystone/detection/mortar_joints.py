@@ -52,7 +52,8 @@ def join_by_mortar(
     if np.count_nonzero(apart) < FEWEST:
         return found, []
     f, g = facing_patches(patches, (a[apart], b[apart]), wide)
-    planes, shared, checked = compared(patches, f, g, options)
+    checked = compared(patches, f, g, options)
+    planes, shared = checked.planes, checked.shared
     gap = Ragged(shared.start).mean(planes.gap_at(shared.corner, shared.corner_row))
     keep = ~(checked.too_steep | checked.too_warped) & ~negligible(patches, planes, shared)
     keep &= (shared.width > NEGLIGIBLE * planes.size[shared.row]) & (gap > 0.0)
