@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import enum
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -80,18 +79,6 @@ class Chart(OneLine):
     polar: bool = False
     top: float | None = None
 
-    @property
-    def span(self) -> tuple[float, float]:
-        """Least and largest value across."""
-        return ends_of([*(one.x for one in self.marks), np.array([at for at, _ in self.lines])])
-
-    @property
-    def rise(self) -> tuple[float, float]:
-        """Least value up or zero, and the largest."""
-        low, high = ends_of([*(one.y for one in self.marks), np.zeros(1)])
-        low = 0.0 if abs(low) <= 1e-2 * high else low  # a pixel or two need no label
-        return low, high if self.top is None else self.top
-
 
 @dataclass(frozen=True, eq=False)
 class HeatMap(OneLine):
@@ -117,13 +104,6 @@ class HeatMap(OneLine):
     rows: tuple[str, ...]
     values: Floats
     quantity: str
-
-
-def ends_of(values: Sequence[Floats]) -> tuple[float, float]:
-    """The least and the largest finite value."""
-    every = np.concatenate([np.ravel(one) for one in values])
-    every = every[np.isfinite(every)]
-    return (float(every.min()), float(every.max())) if len(every) else (0.0, 1.0)
 
 
 def ring(azimuth: Floats, values: Floats, closed: bool = True) -> tuple[Floats, Floats]:

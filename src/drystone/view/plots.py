@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import html
+import re
 import textwrap
 import warnings
 from io import BytesIO
@@ -118,6 +120,28 @@ def chart_png(chart: Chart | HeatMap) -> tuple[bytes, tuple[int, int]]:
     return made.getvalue(), (round(150.0 * wide), round(150.0 * high))
 
 
+def chart_svg(chart: Chart) -> str:
+    """A chart as an element of a page, in the colours of its style."""
+    from matplotlib import rc_context  # as above
+    from matplotlib.figure import Figure
+
+    made = BytesIO()
+    with rc_context({"svg.fonttype": "none", "svg.hashsalt": "drystone", "font.size": 9}):
+        figure = Figure(figsize=(3.9, 2.8), layout="constrained")
+        axes = figure.add_subplot(projection="polar" if chart.polar else "rectilinear")
+        draw_chart(axes, chart)
+        if any(one.label for one in chart.marks):
+            handles = axes.get_legend_handles_labels()
+            figure.legend(*handles, loc="outside lower center", ncol=2, frameon=False)
+        figure.savefig(made, format="svg", transparent=True)
+    text = made.getvalue().decode()
+    box, text = re.findall(r"(?s)<svg.*?(viewBox=.*?) xmlns.*?</metadata>.*?</defs>(.*)", text)[0]
+    for ink, role in {**_INK, "quiet": "black"}.items():
+        text = text.replace(ROLE_COLOUR["light"].get(role, "#000000"), f"var(--{ink})")
+    name = html.escape(f"{chart.title}: {chart.up} by {chart.across}")
+    return f'<svg {box} width="100%" role="img" fill="var(--quiet)" aria-label="{name}">{text}'
+
+
 def _map_figure(chart: HeatMap, title: str, inside: Axes | None) -> Figure:
     """Cells that are darker where values are larger, with their values where there is room."""
     figure, axes = _axes(title, inside)
@@ -180,8 +204,9 @@ def _draw_marks(axes: Any, marks: Marks, x: Floats) -> None:
         return
     face = "none" if marks.kind is MarkKind.RING else ink
     width = 4.0 if marks.kind is MarkKind.DASHED else 1.8  # is seen below another line
-    axes.plot(x, marks.y, _SHAPES[marks.kind], color=ink, label=marks.label or None,
-              markerfacecolor=face, linewidth=width, markersize=6)  # fmt: skip
+    shape = _SHAPES[marks.kind]
+    axes.plot(x, marks.y, shape, color=ink, label=marks.label or None, markerfacecolor=face,
+              linewidth=width, markersize=6, clip_on="-" in shape)  # fmt: skip
 
 
 _UNDATED = {"png": {}, "svg": {"Date": None}, "pdf": {"CreationDate": None}}
