@@ -10,30 +10,25 @@ Assemblies are changed as compas_cra 0.8 changes them: interfaces are added to t
 forces are written to ``interface.forces``, displacements to the nodes. An assembly that does not
 stand raises ``ValueError``. Weights are volume times density with a gravity of one, as in
 compas_cra. Messages go to the log of this module.
-
-The assembly of compas_cra: its class, its conversion, and results written as it writes them.
 """
 
 from __future__ import annotations
 
 import importlib
 import logging
-import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
 from functools import cache, partial
 from typing import Any
 
 import numpy as np
 
-from drystone.assembly import Assembly
-from drystone.base.arrays import Bools, lengths
+from drystone.base.arrays import lengths
 from drystone.base.errors import require
 from drystone.base.settings import hold
 from drystone.checks import corner_motion
 from drystone.compat.compas import blocks_of, from_compas, interfaces_of, joined_interfaces
-from drystone.contacts import Contacts
 from drystone.detection import DetectionOptions, find_contacts
+from drystone.io.compas_contacts import COMPONENTS
 from drystone.loads import LoadCase
 from drystone.model import Model
 from drystone.programs import (
@@ -126,7 +121,7 @@ def rbe_solve(
     density
         Where a block has no density of its own.
     verbose, timer
-        Write more to the log.
+        Not used: the log has the result.
 
     Returns
     -------
@@ -137,9 +132,9 @@ def rbe_solve(
     ValueError
         No forces were found.
     """
+    del verbose, timer
     solve = partial(solve_rbe, options=RBEOptions(cone=FrictionCone.octagon()))
-    read, result = _solved(assembly, mu, density, solve, verbose, timer)
-    return write_back(assembly, read, result)
+    return _solved(assembly, mu, density, solve)
 
 
 def cra_solve(
@@ -168,7 +163,7 @@ def cra_solve(
         Bound of the displacements, and the overlap. Only their ratio changes the answer. With a
         zero overlap the displacements are scaled so that the largest is ``d_bnd``.
     verbose, timer
-        Write more to the log.
+        Not used: the log has the result.
 
     Returns
     -------
@@ -179,12 +174,10 @@ def cra_solve(
     ValueError
         The assembly does not stand, or this is undecided.
     """
+    del verbose, timer
     options = CRAOptions(slide_limit=d_bnd / eps if eps > 0.0 else float("inf"))
     solve = partial(solve_cra, options=options)
-    read, result = _solved(assembly, mu, density, solve, verbose, timer)
-    if not result.stable:
-        raise ValueError(f"solve failed: {result.verdict.value} ({result.message})")
-    return write_back(assembly, read, result, (eps, d_bnd))
+    return _solved(assembly, mu, density, solve, (eps, d_bnd), stands=True)
 
 
 def cra_penalty_solve(
@@ -214,38 +207,18 @@ def cra_penalty_solve(
     ValueError
         No forces were found.
     """
-    read, result = _solved(assembly, mu, density, solve_cra_penalty, verbose, timer)
-    return write_back(assembly, read, result, (eps, d_bnd))
+    del verbose, timer
+    return _solved(assembly, mu, density, solve_cra_penalty, (eps, d_bnd))
 
 
-def cra_view(
-    assembly: Any,
-    scale: float = 1.0,
-    density: float = 1.0,
-    dispscale: float = 1.0,
-    tol: float = 1e-5,
-    grid: bool = False,
-    resultant: bool = True,
-    nodal: bool = False,
-    edge: bool = True,
-    blocks: bool = True,
-    interfaces: bool = True,
-    forces: bool = True,
-    forcesdirect: bool = True,
-    forcesline: bool = False,
-    weights: bool = True,
-    displacements: bool = True,
-) -> None:
+def cra_view(assembly: Any, *others: Any, **named: Any) -> None:
     """Open the page of an assembly, with its forces and displacements where it was solved.
 
     Parameters
     ----------
     assembly
         As for a solver, solved or not.
-    interfaces, forces, resultant, nodal, displacements
-        What is shown at first of interfaces, all forces, resultants, forces at corners and virtual
-        displacements.
-    scale, density, dispscale, tol, grid, edge, blocks, forcesdirect, forcesline, weights
+    others, named
         Not used: the page scales what it shows, and has buttons for the rest.
 
     Raises
@@ -253,25 +226,9 @@ def cra_view(
     InputError
         There is no browser; the error names the page.
     """
-    del scale, density, dispscale, tol, grid, edge, blocks, forcesdirect, forcesline, weights
+    del others, named
     read = from_compas(assembly)
-    scene = scene_of(read.results[0]) if read.results else scene_of(read.assembly, read.contacts)
-    hidden = {
-        "interfaces": not interfaces,
-        "resultants": not (forces and resultant),
-        "network": not forces,
-        "pressure": not (forces and nodal),
-        "tension": not (forces and nodal),
-    }
-    stages = tuple(
-        replace(
-            stage,
-            motion=stage.motion if displacements else None,
-            layers=tuple(one for one in stage.layers if not hidden.get(one.key)),
-        )
-        for stage in scene.stages
-    )
-    show(replace(scene, stages=stages))
+    show(scene_of(read.results[0]) if read.results else scene_of(read.assembly, read.contacts))
 
 
 def density_setup(assembly: Any, density: Mapping[Any, float]) -> None:
@@ -294,19 +251,56 @@ def _solved(
     mu: float,
     density: float,
     solve: Callable[[Model], Result],
-    verbose: bool,
-    timer: bool,
-) -> tuple[Taken, Result]:
-    """The converted assembly and the result of a solver, with log messages."""
-    read = taken(assembly, mu, density)
-    begin = time.perf_counter()
-    result = solve(Model(read.assembly, read.contacts, LoadCase.gravity(read.assembly, 1.0)))
+    scale: tuple[float, float] | None = None,
+    stands: bool = False,
+) -> Any:
+    """The assembly, with forces per corner in the order of its points, and displacements.
+
+    Parameters
+    ----------
+    assembly
+        Changed in place.
+    mu, density, solve
+    scale
+        Overlap of corners in compression, or the largest displacement if the overlap is zero.
+    stands
+        Whether to refuse what does not stand, whatever its forces.
+    """
+    nodes = list(assembly.graph.nodes())
+    ours = blocks_of(assembly, nodes, density)
+    found = interfaces_of(assembly.graph, nodes, "interfaces")
+    if not found or ours.fixed.all():
+        raise ValueError("assembly has no contact interfaces or no free blocks")
+    contacts, backwards = joined_interfaces(found, mu)
+    result = solve(Model(ours, contacts, LoadCase.gravity(ours, 1.0)))
     _log.info("result: %s, %s", result.verdict.value, result.message)
-    if timer:
-        _log.info("solving time: %.3f seconds", time.perf_counter() - begin)
-    if verbose:
-        _log.info("residuals: %s", result.residuals)
-    return read, result
+    if result.force is None or (stands and not result.stable):
+        raise ValueError(f"solve failed: {result.verdict.value} ({result.message})")
+    pull = result.tension if result.tension is not None else np.zeros(len(result.force))
+    push = np.maximum(result.force[:, 0] + pull, 0.0)
+    rows = np.column_stack([push, pull, result.force[:, 1:]]).tolist()
+    for i, (_, _, interface) in enumerate(found):
+        own = [dict(zip(COMPONENTS, row, strict=True)) for row in rows[contacts.corners[i]]]
+        interface.forces = own[::-1] if backwards[i] else own
+    _displace(assembly, nodes, result, scale)
+    return assembly
+
+
+def _displace(
+    assembly: Any, nodes: Sequence[Any], result: Result, scale: tuple[float, float] | None
+) -> None:
+    """Displacements of free nodes with which corners in compression overlap by so much."""
+    if scale is None or result.force is None or result.displacement is None:
+        return
+    eps, d_bnd = scale
+    moved = corner_motion(result.assembly, result.contacts, result.displacement)
+    now, wanted = float(lengths(moved).max(initial=0.0)), d_bnd
+    if eps > 0.0:
+        weight = np.maximum(result.force[:, 0], 0.0)
+        now, wanted = float(-(weight @ moved[:, 0]) / max(weight.sum(), 1e-300)), eps
+    scaled = result.displacement * (wanted / now if now > 0.0 else 1.0)
+    for i in result.assembly.free.tolist():
+        assembly.graph.node_attribute(nodes[i], "displacement", scaled[i].tolist())
 
 
 def __getattr__(name: str) -> Any:
@@ -401,89 +395,6 @@ def _of_compas(name: str) -> Any:
     """A module of COMPAS."""
     require(name.partition(".")[0], "compas", "CRA_Assembly")
     return importlib.import_module(name)
-
-
-@dataclass(frozen=True)
-class Taken:
-    """A converted COMPAS assembly, with the references needed to write results back."""
-
-    assembly: Assembly
-    contacts: Contacts
-    interfaces: tuple[Any, ...]
-    backwards: Bools
-    nodes: tuple[Any, ...]
-
-
-def taken(assembly: Any, mu: float, density: float) -> Taken:
-    """The assembly with the interfaces of its edges.
-
-    Raises
-    ------
-    ValueError
-        No interfaces or no free blocks.
-    """
-    nodes = tuple(assembly.graph.nodes())
-    ours = blocks_of(assembly, nodes, density)
-    found = interfaces_of(assembly.graph, nodes, "interfaces")
-    if not found or ours.fixed.all():
-        raise ValueError("assembly has no contact interfaces or no free blocks")
-    contacts, backwards = joined_interfaces(found, mu)
-    return Taken(ours, contacts, tuple(stored for _, _, stored in found), backwards, nodes)
-
-
-def write_back(
-    assembly: Any, read: Taken, result: Result, scale: tuple[float, float] | None = None
-) -> Any:
-    """Forces per corner, in the order of the interface's points, and displacements.
-
-    Parameters
-    ----------
-    assembly
-        Changed in place.
-    read
-    result
-    scale
-        Overlap of corners in compression, or the largest displacement if the overlap is zero.
-
-    Raises
-    ------
-    ValueError
-        There are no forces.
-    """
-    if result.force is None:
-        raise ValueError(f"solve failed: {result.verdict.value} ({result.message})")
-    pull = np.zeros(len(result.force)) if result.tension is None else result.tension
-    push = np.maximum(result.force[:, 0] + pull, 0.0)
-    start = read.contacts.start
-    for i, interface in enumerate(read.interfaces):
-        rows = list(range(start[i], start[i + 1]))
-        interface.forces = [
-            {
-                "c_np": float(push[k]),
-                "c_nn": float(pull[k]),
-                "c_u": float(result.force[k, 1]),
-                "c_v": float(result.force[k, 2]),
-            }
-            for k in (rows[::-1] if read.backwards[i] else rows)
-        ]
-    if scale is not None and result.displacement is not None:
-        moved = result.displacement * _factor(*scale, read, result)
-        for i in read.assembly.free.tolist():
-            assembly.graph.node_attribute(read.nodes[i], "displacement", moved[i].tolist())
-    return assembly
-
-
-def _factor(eps: float, d_bnd: float, read: Taken, result: Result) -> float:
-    """The factor on displacements with which corners in compression overlap by ``eps``."""
-    if result.force is None or result.displacement is None:
-        return 1.0
-    moved = corner_motion(read.assembly, read.contacts, result.displacement)
-    if eps > 0.0:
-        weight = np.maximum(result.force[:, 0], 0.0)
-        now, wanted = float(-(weight @ moved[:, 0]) / max(weight.sum(), 1e-300)), eps
-    else:
-        now, wanted = float(lengths(moved).max(initial=0.0)), d_bnd
-    return wanted / now if now > 0.0 else 1.0
 
 
 hold(globals())
