@@ -126,13 +126,22 @@ def chart_svg(chart: Chart) -> str:
     from matplotlib.figure import Figure
 
     made = BytesIO()
-    with rc_context({"svg.fonttype": "none", "svg.hashsalt": "drystone", "font.size": 9}):
-        figure = Figure(figsize=(3.9, 2.8), layout="constrained")
+    with rc_context(
+        {
+            "svg.fonttype": "none",
+            "svg.hashsalt": "drystone",
+            "font.size": 9,
+            "axes.labelsize": 8,
+        }
+    ):
+        named = len({one.label for one in chart.marks} - {""})
+        # as wide as a panel, in which letters are 11 pixels high
+        figure = Figure(figsize=(3.0, 2.5 + 0.18 * named), layout="constrained")
         axes = figure.add_subplot(projection="polar" if chart.polar else "rectilinear")
         draw_chart(axes, chart)
-        if any(one.label for one in chart.marks):
+        if named:
             handles = axes.get_legend_handles_labels()
-            figure.legend(*handles, loc="outside lower center", ncol=2, frameon=False)
+            figure.legend(*handles, loc="outside lower left", frameon=False)
         figure.savefig(made, format="svg", transparent=True)
     text = made.getvalue().decode()
     box, text = re.findall(r"(?s)<svg.*?(viewBox=.*?) xmlns.*?</metadata>.*?</defs>(.*)", text)[0]
