@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 
 from drystone.assembly import Assembly, Block
 from drystone.base.arrays import Floats
-from drystone.models.simple import box, prism, rectangle, require, sections, shell_faces, welded
+from drystone.models.simple import box, prism, require, sections, shell_faces, welded
 
 
 def dome(
@@ -225,8 +225,9 @@ def cube_curve(height: Literal["short", "tall"] = "short", strips: int = 18) -> 
 def _hollow_block(rim: Floats, outside: float, floor: float, name: str) -> Block:
     """The block between the rim and a slab with faces z = ``outside`` and z = ``floor``."""
     wall = 0.1
-    edge, inside = (0.0, 1.0), (wall, 1.0 - wall)
-    loops = [rectangle(2, outside, edge, edge), rectangle(2, floor, inside, inside)]
+    square = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
+    inside = wall + (1.0 - 2.0 * wall) * square
+    loops = [np.insert(square, 2, outside, axis=1), np.insert(inside, 2, floor, axis=1)]
     for along in (0, 1):
         for far in (False, True):
             strips = rim if not far else np.column_stack([1.0 - rim[::-1, 0], rim[::-1, 1]])

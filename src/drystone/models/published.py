@@ -7,14 +7,13 @@ Analysis", Computer-Aided Design 146, and Kao 2023, doctoral dissertation, ETH Z
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Literal
 
 import numpy as np
 
 from drystone.assembly import DEFAULT_DENSITY, Assembly, Block
 from drystone.base.arrays import Floats
-from drystone.models.simple import prism, rectangle, sections, welded
+from drystone.models.simple import of_boxes, prism, sections, welded
 
 
 def bridge(*, load: bool = False) -> Assembly:
@@ -133,8 +132,6 @@ def snake() -> Assembly:
     return Assembly(tuple(made), np.arange(len(made)) == 0)
 
 
-Point2 = tuple[float, float]
-
 WEDGES: dict[str, tuple[float, float, float]] = {
     "a": (0.6, 1.5392304845413263, 1.6),
     "b": (0.6, 1.5392304845413263, 2.8),
@@ -238,55 +235,12 @@ def concave(length: Literal["short", "long"] = "short") -> Assembly:
     Assembly
         ``slab``, fixed, and ``plank``.
     """
-    slab = welded(_slab_faces(), "slab")
-    plank = welded(_plank_faces(1.0 if length == "short" else 2.0), "plank")
+    end = 1.0 if length == "short" else 2.0
+    slab = of_boxes(
+        "slab", ((-1.5, -0.5, 0.0), (-0.8, 0.5, 0.2)), ((-0.8, -0.3, 0.1), (-0.5, 0.3, 0.2)),
+        ((-0.8, -0.5, 0.0), (-0.5, -0.3, 0.2)), ((-0.5, -0.5, 0.0), (0.1, -0.3, 0.1)),
+        ((-0.8, 0.3, 0.0), (-0.5, 0.5, 0.2)), ((-0.5, 0.3, 0.0), (0.1, 0.5, 0.1)),
+    )  # fmt: skip
+    wings = ((-0.5, -0.5, 0.1), (0.1, 0.5, 0.2))
+    plank = of_boxes("plank", ((-0.8, -0.3, 0.0), (end, 0.3, 0.1)), wings)
     return Assembly((slab, plank), np.array([True, False]))
-
-
-def _loop(axis: int, at: float, plane: Sequence[Point2]) -> Floats:
-    return np.insert(np.array(plane), axis, at, axis=1)
-
-
-def _slab_faces() -> list[Floats]:
-    under = [(-1.5, -0.5), (0.1, -0.5), (0.1, -0.3), (-0.8, -0.3),
-             (-0.8, 0.3), (0.1, 0.3), (0.1, 0.5), (-1.5, 0.5)]  # fmt: skip
-    flank = [(-1.5, 0.0), (0.1, 0.0), (0.1, 0.1), (-0.5, 0.1), (-0.5, 0.2), (-1.5, 0.2)]
-    loops = [
-        _loop(2, 0.0, under),
-        rectangle(2, 0.2, (-1.5, -0.5), (-0.5, 0.5)),
-        rectangle(2, 0.1, (-0.8, -0.5), (-0.3, 0.3)),
-        rectangle(0, -1.5, (-0.5, 0.5), (0.0, 0.2)),
-        rectangle(0, -0.8, (-0.3, 0.3), (0.0, 0.1)),
-        _loop(0, -0.5, [(-0.5, 0.1), (-0.3, 0.1), (0.3, 0.1), (0.5, 0.1), (0.5, 0.2), (-0.5, 0.2)]),
-    ]
-    for side in (-1.0, 1.0):
-        bar = (0.3 * side, 0.5 * side)
-        loops += [
-            _loop(1, 0.5 * side, flank),
-            _loop(1, 0.3 * side, [(-0.8, 0.0), (0.1, 0.0), (0.1, 0.1), (-0.5, 0.1), (-0.8, 0.1)]),
-            rectangle(2, 0.1, (-0.5, 0.1), bar),
-            rectangle(0, 0.1, bar, (0.0, 0.1)),
-        ]
-    return loops
-
-
-def _plank_faces(end: float) -> list[Floats]:
-    wing = [(-0.5, 0.1), (-0.3, 0.1), (0.3, 0.1), (0.5, 0.1), (0.5, 0.2), (-0.5, 0.2)]
-    edge = [(-0.8, 0.0), (end, 0.0), (end, 0.1), (0.1, 0.1), (-0.5, 0.1), (-0.8, 0.1)]
-    loops = [
-        rectangle(2, 0.0, (-0.8, end), (-0.3, 0.3)),
-        rectangle(2, 0.1, (-0.8, -0.5), (-0.3, 0.3)),
-        rectangle(2, 0.1, (0.1, end), (-0.3, 0.3)),
-        rectangle(2, 0.2, (-0.5, 0.1), (-0.5, 0.5)),
-        rectangle(0, -0.8, (-0.3, 0.3), (0.0, 0.1)),
-        rectangle(0, end, (-0.3, 0.3), (0.0, 0.1)),
-        _loop(0, -0.5, wing),
-        _loop(0, 0.1, wing),
-    ]
-    for side in (-1.0, 1.0):
-        loops += [
-            _loop(1, 0.3 * side, edge),
-            rectangle(2, 0.1, (-0.5, 0.1), (0.3 * side, 0.5 * side)),
-            rectangle(1, 0.5 * side, (-0.5, 0.1), (0.1, 0.2)),
-        ]
-    return loops

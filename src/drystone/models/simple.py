@@ -129,22 +129,6 @@ def of_boxes(name: str, *boxes: tuple[tuple[float, ...], tuple[float, ...]]) -> 
     return Block(vertices, tuple(faces), name)
 
 
-def rectangle(axis: int, at: float, first: Sequence[float], second: Sequence[float]) -> Floats:
-    """A rectangle (4, 3) [m] in the plane where coordinate ``axis`` is ``at``.
-
-    Parameters
-    ----------
-    axis
-        0, 1 or 2.
-    at : [m]
-    first, second : (2,) [m]
-        Extent along the two other axes, in the order x, y, z.
-    """
-    (a0, a1), (b0, b1) = first, second
-    plane = np.array([(a0, b0), (a1, b0), (a1, b1), (a0, b1)], dtype=np.float64)
-    return np.insert(plane, axis, at, axis=1)
-
-
 def shell_faces(shell: Floats) -> list[Floats]:
     """Faces of a piece of shell (2, 2, s, 3): inner and outer, lower and upper, stations."""
     faces = [shell[:, :, end].reshape(4, 3)[[0, 1, 3, 2]] for end in (0, -1)]

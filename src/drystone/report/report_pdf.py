@@ -15,7 +15,7 @@ from drystone.base.display import NAME, shortened
 from drystone.base.errors import require
 from drystone.base.files import utf8
 from drystone.base.table import Table
-from drystone.report.document import Document, Heading, JointPlan, Part, Picture
+from drystone.report.document import Document, Heading, Part, Picture
 
 _MARGIN = 51.0
 """[points], 18 mm."""
@@ -23,8 +23,6 @@ _WIDTH, _HEIGHT = 595.28, 841.89
 """[points], of A4."""
 _ROOM = 90.0
 """[points], that a heading and the first rows of a table need."""
-_PLAN = 110.0
-"""[points], side of the plan of a joint."""
 
 
 def pdf_of(document: Document) -> bytes:
@@ -151,9 +149,7 @@ class _Paper:
                 return self.table(part)
             case Picture():
                 return [_figure(part, self.text(part.caption))]
-            case Mapping():
-                return [self.entries(part), Spacer(1, 6)]
-        return [self.plans(part), Spacer(1, 6)]
+        return [self.entries(part), Spacer(1, 6)]
 
     def entries(self, entries: Mapping[str, str]) -> Any:
         """Names and texts side by side."""
@@ -201,15 +197,6 @@ class _Paper:
             style.append(("LINEBELOW", (0, 0), (-1, 0), 0.8, black))
         return Grid(rows, list(widths), repeatRows=head, hAlign="LEFT", style=TableStyle(style))
 
-    def plans(self, plans: tuple[JointPlan, ...]) -> Any:
-        """The plans of joints, four in a row."""
-        from reportlab.platypus import Table as Grid
-
-        cells: list[Any] = [[_plan(one), self.text(_plan_words(one), "cell")] for one in plans]
-        rows = [cells[i : i + 4] for i in range(0, len(cells), 4)]
-        rows = [[*row, *[""] * (4 - len(row))] for row in rows]
-        return Grid(rows, [(_WIDTH - 2.0 * _MARGIN) / 4.0] * 4)
-
 
 def _figure(picture: Picture, caption: Any) -> Any:
     """A picture over its caption, as small as 0.9 of its size if it fits at the foot of a page.
@@ -242,30 +229,3 @@ def _fitted(natural: Any, width: float) -> Any:
         cap = 0.5 * (low + high)
         low, high = (cap, high) if np.minimum(natural, cap).sum() < width else (low, cap)
     return natural if natural.sum() <= width else np.minimum(natural, low)
-
-
-def _plan_words(plan: JointPlan) -> str:
-    between = " – ".join(shortened(name, 24) for name in plan.blocks)
-    return f"joint {plan.joint}: {between}, {plan.width:.3g} m wide, {plan.axes}"
-
-
-def _plan(plan: JointPlan) -> Any:
-    """The joint, its kern (dashed) and the centre of pressure."""
-    from reportlab.graphics.shapes import Circle, Drawing, Polygon
-    from reportlab.lib.colors import Color, black
-
-    def flat(points: Any) -> list[float]:
-        return plan.on(points, _PLAN, 8.0).ravel().tolist()
-
-    drawing = Drawing(_PLAN, _PLAN)
-    stone = Color(0.9, 0.9, 0.9)
-    drawing.add(Polygon(flat(plan.corners), fillColor=stone, strokeColor=black, strokeWidth=0.7))
-    drawing.add(
-        Polygon(
-            flat(plan.kern), fillColor=None, strokeColor=black, strokeWidth=0.5,
-            strokeDashArray=[3, 2],
-        )
-    )  # fmt: skip
-    x, y = flat(plan.pressed)
-    drawing.add(Circle(x, y, 2.6, fillColor=black, strokeColor=None))
-    return drawing

@@ -19,15 +19,7 @@ from drystone.limits.train_answer import TrainEnvelope
 from drystone.loads.applied import Shaken, loads_apart
 from drystone.model import Model
 from drystone.report import sketches
-from drystone.report.document import (
-    Document,
-    Heading,
-    Part,
-    Picture,
-    Section,
-    TitleBlock,
-    joint_plan,
-)
+from drystone.report.document import Document, Heading, Part, Picture, Section, TitleBlock
 from drystone.report.hand_checks import (
     as_one_block,
     balance,
@@ -361,7 +353,7 @@ def worst_told(result: Result, count: int) -> Iterator[Part]:
             "A friction use above 100 % is of a joint that turns on its corners: pressure spread "
             "over its face would carry less torque. No corner exceeds its friction."
         )
-    yield tuple(joint_plan(result, table, i) for i in worst)
+    yield from sketches.joint_plans(result, table, worst)
 
 
 def _sums(answers: Sequence[Answer]) -> Iterator[Part]:

@@ -15,16 +15,21 @@ from drystone.answer.chart import Chart
 from drystone.answer.drawing import bare_scene
 from drystone.answer.scene import Layer
 from drystone.base.arrays import Floats, lengths
+from drystone.base.display import shortened
 from drystone.base.errors import InputError
+from drystone.base.table import Table
 from drystone.base.units import quantity
 from drystone.geometry.frames import unit
+from drystone.geometry.kern import kern
 from drystone.limits import Limit
 from drystone.limits.train_answer import TrainEnvelope
 from drystone.model import Model
 from drystone.report.document import Picture
+from drystone.results import Result
 from drystone.sequence import Plan
 from drystone.view.figure import draw
 from drystone.view.plots import save_chart
+from drystone.virtual import local_corners
 
 _WIDTH = 6.7
 """[inches], of a picture across a page of A4."""
@@ -93,6 +98,41 @@ def dimensions_picture(model: Model) -> Picture:
         _axes_of(axes, -half[flat] - 2.6 * away, 1.2 * away, "xyz"[along])
     words = ["Overall dimensions of the free blocks", *(one.label for one in drawn)]
     return _picture(figure, ", and ".join(words))
+
+
+def joint_plans(result: Result, table: Table, joints: list[int]) -> Iterator[Picture]:
+    """Joints seen against their normals, four beside each other; ``table`` has all joints."""
+    from matplotlib.figure import Figure  # as above
+
+    contacts = result.contacts.joints
+    origin, flat = local_corners(contacts)
+    for first in range(0, len(joints), 4):
+        figure = Figure(figsize=(_WIDTH, 1.9), facecolor="white", layout="constrained")
+        every: Any = figure.subplots(1, 4)
+        told = []
+        for axes in every:
+            axes.axis("off")
+        for axes, i in zip(every, joints[first:][:4], strict=False):
+            corners = flat[contacts.start[i] : contacts.start[i + 1]]
+            frame = contacts.frame[i, 1:]
+            axes.fill(*corners.T, facecolor="#e4e4e4", edgecolor="black", linewidth=0.7)
+            axes.fill(*kern(corners).T, facecolor="none", edgecolor="black", linestyle="--")
+            axes.plot(*(frame @ (np.array([table[x][i] for x in "xyz"]) - origin[i])), "ko")
+            axes.set_aspect("equal")
+            axes.set_title(f"joint {i}", fontsize=8)
+            between = " – ".join(shortened(str(table[x][i]), 24) for x in ("block_a", "block_b"))
+            wide = float(np.ptp(corners, axis=0).max())
+            right, up = map(_direction, frame)
+            told.append(f"joint {i}: {between}, {wide:.3g} m wide, right: {right}, up: {up}")
+        yield _picture(figure, "; ".join(told))
+
+
+def _direction(along: Floats) -> str:
+    """A direction (3,) as an axis of the model with its sign, or its parts."""
+    axis = int(np.abs(along).argmax())
+    if abs(along[axis]) > 0.995:
+        return f"{'-' if along[axis] < 0.0 else '+'}{'xyz'[axis]}"
+    return "(" + ", ".join(f"{part + 0.0:.2g}" for part in along.round(2)) + ")"
 
 
 @cache

@@ -21,15 +21,7 @@ from drystone.design import DiagnosisOptions, diagnose
 from drystone.io.opening import Given, How, supported_model
 from drystone.limits.bounds import with_margins
 from drystone.model import Model
-from drystone.report.document import (
-    Document,
-    Heading,
-    Part,
-    Picture,
-    Section,
-    TitleBlock,
-    plan_figure,
-)
+from drystone.report.document import Document, Heading, Part, Picture, Section, TitleBlock
 from drystone.report.report_pdf import pdf_of
 from drystone.report.report_sections import document_of, worst_told
 from drystone.report.sketches import numbered_picture
@@ -189,13 +181,11 @@ def _part(part: Part) -> str:
                 f'<figure><img alt="{told}" src="data:image/png;base64,{data}">'
                 f"<figcaption>{told}</figcaption></figure>"
             )
-        case Mapping():
-            rows = (
-                f"<tr><th>{html.escape(name)}</th><td>{html.escape(text)}</td></tr>"
-                for name, text in part.items()
-            )
-            return f"<table>{''.join(rows)}</table>"
-    return f'<div class="plans">{"".join(map(plan_figure, part))}</div>'
+    rows = (
+        f"<tr><th>{html.escape(name)}</th><td>{html.escape(text)}</td></tr>"
+        for name, text in part.items()
+    )
+    return f"<table>{''.join(rows)}</table>"
 
 
 def _varied(model: Model) -> tuple[str, ...]:

@@ -72,8 +72,8 @@ def test_a_report_has_input_loads_method_verdict_proof_and_hand_checks(
         "Proof, computed again", "thrust at the crown", "positive in compression", "kern",
     ):  # fmt: skip
         assert expected in text or expected in page, expected
-    assert page.count("<svg") == 8
-    assert page.count('src="data:image/png') == 6
+    assert page.count(" m wide, right: ") == 2 * 8  # below each plan, and instead of it
+    assert page.count('src="data:image/png') == 8
     assert "unit right" not in page  # a question is asked before anything is signed
     assert not re.search(r"https?://", page)
 
