@@ -12,7 +12,7 @@ import functools
 import inspect
 import math
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, field
 from typing import (
@@ -42,7 +42,7 @@ from drystone.base.hints import (
     left_out,
     refuse_wrong,
 )
-from drystone.base.workers import ExecutorFactory
+from drystone.base.workers import ExecutorFactory, Found, Item, WorkerPool
 
 Progress: TypeAlias = Callable[[str, int, int], None]
 """Called as ``progress(stage, done, total)`` with 0 <= done <= total; it must not raise.
@@ -148,6 +148,32 @@ class Clock:
         """Report how far a stage is, where the caller wants to know."""
         if self.progress is not None:
             self.progress(stage, done, total)
+
+    def shares(self, stage: str) -> Callable[[float], None]:
+        """Reports a stage by the share that is done, as whole per cents that never fall."""
+        most = 0
+
+        def tell(share: float) -> None:
+            nonlocal most
+            most = max(most, min(int(100.0 * share), 99))
+            self.tell(stage, most, 100)
+
+        return tell
+
+    def answers(
+        self, task: Callable[[Item], Found], items: Sequence[Item], stage: str, *, least: int = 0
+    ) -> Iterator[Found]:
+        """The answers of a task in the order of its items, each told; so many come in any case."""
+        done = 0
+
+        def late() -> bool:
+            return done >= least and self.late()
+
+        with WorkerPool(self.workers) as pool:
+            for answer in pool.answers(task, items, late):
+                done += 1
+                yield answer
+                self.tell(stage, done, len(items))
 
     @property
     def elapsed_s(self) -> float:

@@ -9,10 +9,10 @@ import numpy as np
 import shapely
 
 from drystone.assembly import Assembly, Block
-from drystone.base.arrays import SAME, Floats
+from drystone.base.arrays import SAME
 from drystone.base.errors import InputError, counted
 from drystone.design.joint_cut import block_with
-from drystone.design.surgery import CornerError, face_planes, with_moved_faces
+from drystone.design.surgery import CornerError, face_planes, in_joints, with_moved_faces
 from drystone.free_faces import NEAR
 from drystone.geometry.convex_pieces import mesh_of, solid_of
 from drystone.geometry.frames import frames_from_normals
@@ -58,9 +58,9 @@ def joint_allowance(model: Model, allowance: float) -> Assembly:
     Source: Kao 2023, section 7.2.4: sandpaper of 0.58 mm between printed blocks.
     """
     assembly = model.assembly
-    blocks = list(assembly.blocks)
+    blocks, bound = list(assembly.blocks), in_joints(model, 2.0 * NEAR)
     for i, body in enumerate(blocks):
-        joined = _joined_faces(model, i)
+        joined = np.flatnonzero(bound[assembly.faces.owner == i]).tolist()
         if joined:
             try:
                 back = dict.fromkeys(joined, -0.5 * allowance)
@@ -135,41 +135,3 @@ def _layer(body: Block, face: int, joined: Sequence[int], depth: float) -> manif
     section = manifold3d.CrossSection(rings, manifold3d.FillRule.EvenOdd)
     place = np.column_stack([frame[1], frame[2], frame[0], (offset - depth) * normal])
     return manifold3d.Manifold.extrude(section, depth + above).transform(place)
-
-
-def _joined_faces(model: Model, block: int) -> list[int]:
-    """The faces of a block on which a joint lies, and those in one plane with them."""
-    body, contacts = model.assembly.blocks[block], model.contacts
-    mine = (contacts.block_a == block) | (contacts.block_b == block)
-    found = set()
-    for i in np.flatnonzero(mine & (contacts.corners.counts > 2)).tolist():
-        outward = contacts.frame[i] * (1.0 if contacts.block_a[i] == block else -1.0)
-        joint = contacts.polygon(i)
-        found |= {k for k in range(len(body.faces)) if _lies_on(joint, outward, body, k)}
-    normal, offset = face_planes(body)
-    return [
-        k
-        for k, loop in enumerate(body.faces)
-        if any(
-            normal[k] @ normal[j] > 1.0 - SAME
-            and np.abs(body.vertices[list(loop)] @ normal[j] - offset[j]).max() < SAME * body.size
-            for j in found
-        )
-    ]
-
-
-def _lies_on(joint: Floats, outward: Floats, body: Block, face: int) -> bool:
-    """Whether a joint (c, 3), with rows n, u, v and n out of the block, lies on a face.
-
-    It is the mean plane of facets, which are up to 0.014 of the size of a block away from it in
-    shells with faceted joints.
-    """
-    normal, offset = (of_faces[face] for of_faces in face_planes(body))
-    away = np.abs(joint @ normal - offset).max()
-    if normal @ outward[0] < 1.0 - NEAR or away > 2.0 * NEAR * body.size:
-        return False
-    cover, whole = (
-        shapely.Polygon(corner @ outward[1:].T)
-        for corner in (joint, body.vertices[list(body.faces[face])])
-    )
-    return bool(cover.intersection(whole).area > NEAR * min(cover.area, whole.area))

@@ -351,9 +351,6 @@ class Tries:
         Whether they are tried only where none before them holds it.
     told
         Makes the change that is said from the one that holds it.
-    together
-        All of several changes at once: where the first one does not hold it, and this neither, the
-        others are not tried.
     """
 
     changes: Sequence[Change]
@@ -362,7 +359,6 @@ class Tries:
     known: Sequence[float | None] | None = None
     last: bool = False
     told: Callable[[Change], Held] | None = None
-    together: Change | None = None
 
 
 Proposals: TypeAlias = Iterator[Tries | Tried | str]
@@ -398,12 +394,10 @@ def _held(bench: Bench, tries: Tries, known: bool) -> list[Held]:
         best = bench.smallest(changes)
         return [] if best is None else [best]
     found: list[Held] = []
-    for number, change in enumerate(changes):
+    for change in changes:
         value = bench.least(change)
         if value is not None:
             found.append((change, value) if tries.told is None else tries.told(change))
             if tries.take is Take.FIRST:
                 break
-        elif number == 0 and tries.together and bench.least(tries.together) is None:
-            break
     return found

@@ -128,9 +128,7 @@ def _found(model: Model, assembly: Assembly, touched: Bools, after: Ints) -> Con
     found = detected.contacts
     a, b = chosen[found.block_a], chosen[found.block_b]
     mine = touched[a] | touched[b]
-    back = np.full(len(chosen), -1, dtype=np.intp)
-    back[:] = chosen
-    return found.select(mine, back)
+    return found.select(mine, chosen)
 
 
 def _as_before(model: Model, part: Contacts, before: Ints, after: Ints, gone: Bools) -> Contacts:

@@ -34,7 +34,6 @@ from drystone.base.declared import Offered
 from drystone.base.errors import InputError, counted
 from drystone.base.settings import Clock, LongWork, Options, checked_call
 from drystone.design.changed import Buildable, Help, Kept, helped
-from drystone.design.search import improved
 from drystone.design.surgery import (
     Cut,
     split_block,
@@ -321,8 +320,9 @@ def recut_joints(
             if not found.stopped:
                 yield _Planned(made, found, (*now.changes, kept))
 
-    first = _Planned(model, planned(model))
-    best = improved(first, proposals, clock.late)
+    first = best = _Planned(model, planned(model))
+    while better := next((one for one in proposals(best) if one.rank < best.rank), None):
+        best = better
     if not any(best.rank) and not best.plan.stopped:
         words = "every block is free"
     elif clock.late() or tried >= chosen.most:

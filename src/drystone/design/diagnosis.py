@@ -18,7 +18,6 @@ from drystone.base.arrays import SAME, Floats, frozen, lengths, marked
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
 from drystone.base.settings import Clock, Options, Stopped, checked_call
-from drystone.base.workers import WorkerPool
 from drystone.checks import first_motion_of, moving_joints
 from drystone.design import words
 from drystone.design.bench import Bench
@@ -135,15 +134,11 @@ def diagnose(
     if answer.prop is not None:  # else forces balance, and how it settles decides
         prop[list(answer.falling)] = answer.prop[list(answer.falling)]
     groups = regions_of(model, answer.falling)
-    regions: list[Region] = []
     looked = groups[: chosen.regions]
     motion = frozen(first_motion_of(model, prop))
     task = partial(_region, model, answer, prop, motion, chosen, clock)
     clock.tell("what falls", 0, len(looked))
-    with WorkerPool(clock.workers) as pool:
-        for region in pool.answers(task, looked):
-            regions.append(region)
-            clock.tell("what falls", len(regions), len(looked))
+    regions = list(clock.answers(task, looked, "what falls", least=len(looked)))
     others = tuple(i for blocks in groups[chosen.regions :] for i in blocks)
     wanted = "friction" in chosen.kinds and not others and not clock.late()
     friction = _friction_of_all(model, regions, clock.late) if wanted else None

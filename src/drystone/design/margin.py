@@ -308,30 +308,19 @@ class DesignMargin(Options):
             Rest states in each case of the last model that stood, among models with the same
             blocks; changed.
         """
+        if not quick:
+            known = [] if near is None and self.robust else near
+            result = self.holds(model, stop, settle=False, near=known)
+            return self.meets(result) and not result.stopped
         cases = (model, *self.cases(model))
-        pairs = zip(cases, _rests(near, len(cases)), strict=True)
-        return all(self._stands(case, quick, stop, rests) for case, rests in pairs)
-
-    def _stands(
-        self,
-        case: Model,
-        quick: bool,
-        stop: Callable[[], bool] | None,
-        rests: dict[int, Floats],
-    ) -> bool:
-        """Whether a model stands in one case."""
-        if not (quick or self.robust):
-            return check(case, stop=stop).stable
-        start = rests.get(0)
-        if quick:
-            result = soon_at_rest(case, stop, start)
-        else:
-            options = CheckOptions(samples=SAMPLES, uniform=True)
-            result = check(case, options=options, start=start, stop=stop)
-        stands = result.stable and result.samples.standing == result.samples.tried
-        if stands and result.displacement is not None:
-            rests[0] = result.displacement
-        return stands and not result.stopped
+        for case, rests in zip(cases, _rests(near, len(cases)), strict=True):
+            found = soon_at_rest(case, stop, rests.get(0))
+            standing = found.samples.standing == found.samples.tried
+            if not (found.stable and standing) or found.stopped:
+                return False
+            if found.displacement is not None:
+                rests[0] = found.displacement
+        return True
 
     def options(self, settle: bool = False) -> CheckOptions:
         """Of the check of each case; with ``settle`` blocks are followed in any case."""

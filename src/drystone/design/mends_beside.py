@@ -255,9 +255,7 @@ def tie(asked: KnownNeeds) -> Proposals:
             joints = sum(through(ends)[1] for ends in ties)
             single = Change.single("tie", partial(make, ties), "", 0.0, joints, len(ties))
             of[single] = partial(words, ties)
-        all_ties = tuple(dict.fromkeys(ends for ties in several for ends in ties))
-        more = Change.single("tie", partial(make, all_ties), "") if len(several) > 2 else None
-        return Tries(list(of), why, Take.FIRST, told=partial(told, of), together=more)
+        return Tries(list(of), why, Take.FIRST, told=partial(told, of))
 
     beside = np.array([bool({(i, j), (j, i)} & touching) for i, j in apart.tolist()])  # tried last
     # from the middle a tie is half as long as between opposite blocks, and pulls aside

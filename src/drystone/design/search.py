@@ -1,10 +1,9 @@
-"""Searches over changes of a design: the least value that stands, and change after change."""
+"""Searches over changes of a design: the least value that stands."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
-from typing import Any, Protocol, TypeVar
 
 import numpy as np
 
@@ -85,37 +84,6 @@ def least_from_above(
             break
         high = value
     return None if high is None else bracket(stands, low, high, width)[1]
-
-
-class Ranked(Protocol):
-    """A design with the help that it needs; less is better."""
-
-    @property
-    def rank(self) -> Any:
-        """What is compared."""
-
-
-R = TypeVar("R", bound=Ranked)
-
-
-def improved(best: R, proposals: Callable[[R], Iterator[R]], late: Stop) -> R:
-    """The design after the first proposed change that is better, again and again, until none is.
-
-    Parameters
-    ----------
-    best
-    proposals
-        Other designs to try from a design.
-    late
-        True ends the search.
-    """
-    while not late():
-        rank = best.rank
-        better = next((one for one in proposals(best) if one.rank < rank), None)
-        if better is None:
-            break
-        best = better
-    return best
 
 
 def each_needed(

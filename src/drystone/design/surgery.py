@@ -24,6 +24,7 @@ from drystone.design.joint_cut import (
     recut,
     snapped,
 )
+from drystone.free_faces import NEAR
 from drystone.geometry.frames import rotation_about, unit
 from drystone.geometry.glue import cut_cell, glue
 from drystone.geometry.polyhedron import Piece, stack_faces
@@ -285,7 +286,7 @@ def thickness_of(
     """
     faces, own = model.assembly.faces, Ragged.from_owners(model.assembly.faces.owner, len(model))
     area, offset = lengths(faces.area_vectors), dot(faces.normals, faces.middles)
-    bound, down = _in_joints(model, own, offset), acceleration_of(model)
+    bound, down = in_joints(model), acceleration_of(model)
     found, across = [], []
     for i, axis in zip(blocks, axes, strict=True):
         first, normal = own[i].start, faces.normals[own[i]]
@@ -332,16 +333,17 @@ def free_sides(model: Model, blocks: Sequence[int], faces: Sequence[list[int]]) 
     return sides
 
 
-def _in_joints(model: Model, own: Ragged, offset: Floats) -> Bools:
-    """Whether a joint of its block lies in the plane of each face (f,)."""
+def in_joints(model: Model, near: float = NEAR) -> Bools:
+    """Whether a joint of its block lies in the plane of each face (f,), by its size as near."""
     contacts, faces = model.contacts, model.assembly.faces
+    own, offset = Ragged.from_owners(faces.owner, len(model)), dot(faces.normals, faces.middles)
     part, face = own.take(np.concatenate([contacts.block_a, contacts.block_b]))
     joint = part.owner % contacts.count if contacts.count else part.owner
-    alike = np.abs(dot(contacts.frame[joint, 0], faces.normals[face])) > 0.99
+    alike = np.abs(dot(contacts.frame[joint, 0], faces.normals[face])) > 1.0 - NEAR
     part, corner = contacts.corners.take(joint[alike])
     face, at = face[alike], face[alike][part.owner]
     off = part.max(np.abs(dot(contacts.point[corner], faces.normals[at]) - offset[at]))
-    return marked(face[off < 0.01 * model.assembly.size[faces.owner[face]]], faces.count)
+    return marked(face[off < near * model.assembly.size[faces.owner[face]]], faces.count)
 
 
 class CornerError(InputError):

@@ -16,7 +16,6 @@ from drystone.base.declared import Offered
 from drystone.base.errors import InputError, counted
 from drystone.base.settings import Clock, checked_call
 from drystone.base.table import Table
-from drystone.base.workers import WorkerPool
 from drystone.io.opening import Given, LongHow, as_model
 from drystone.loads import LoadCase
 from drystone.loads.applied import applied_loads
@@ -177,11 +176,7 @@ def gravity_region(
         )
     unit = _unit_directions(directions)
     jobs = [(model, tuple(one), stands) for one in unit.tolist()]
-    found: list[tuple[bool, bool, bool]] = []
-    with WorkerPool(clock.workers) as pool:
-        for answer in pool.answers(_held, jobs, lambda: bool(found) and clock.late()):
-            found.append(answer)
-            clock.tell("directions", len(found), len(jobs))
+    found = list(clock.answers(_held, jobs, "directions", least=1))
     table = np.array(found, dtype=bool).reshape(-1, 3)
     unit = unit[: len(found)]
     return GravityRegion(model, unit, table[:, 0], table[:, 1], table[:, 2] if stands else None)

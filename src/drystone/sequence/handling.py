@@ -10,6 +10,7 @@ import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property, partial
+from itertools import combinations
 from typing import Any, Unpack
 
 import numpy as np
@@ -23,7 +24,6 @@ from drystone.base.errors import counted
 from drystone.base.files import PathLike, write_text
 from drystone.base.settings import Clock, LongWork, checked_call
 from drystone.base.table import Table
-from drystone.base.workers import WorkerPool
 from drystone.detection.patches import Patches, patches_of
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.planar import inside
@@ -115,13 +115,10 @@ def _on_face(flat: Patches, patch: int) -> Floats:
 def grip_pairs(grips: Sequence[GripFace]) -> list[tuple[int, int, float]]:
     """Pairs of opposite faces, the largest first, and their distance."""
     out = []
-    for i, one in enumerate(grips):
-        for j in range(i + 1, len(grips)):
-            other = grips[j]
-            if one.normal @ other.normal < -OPPOSITE:
-                width = float((one.centre - other.centre) @ one.normal)
-                if width > 0.0:
-                    out.append((i, j, width))
+    for (i, one), (j, other) in combinations(enumerate(grips), 2):
+        width = float((one.centre - other.centre) @ one.normal)
+        if one.normal @ other.normal < -OPPOSITE and width > 0.0:
+            out.append((i, j, width))
     return out
 
 
@@ -371,11 +368,7 @@ def handling(
     finder = PathFinder(model, options if options is not None else PathOptions(up=tuple(up)))
     jobs = list(_in_order(plan))
     clock = Clock.of(work)
-    paths: list[RemovalPath | NoPath] = []
-    with WorkerPool(clock.workers) as pool:
-        for found in pool.answers(partial(_path, finder), jobs, clock.late):
-            paths.append(found)
-            clock.tell("paths of insertion", len(paths), len(jobs))
+    paths = list(clock.answers(partial(_path, finder), jobs, "paths of insertion"))
     notes = list(plan.notes)
     ends = plan.steps[plan.known_steps :]
     if ends:

@@ -6,10 +6,10 @@ Plans at several friction coefficients.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any, TypeAlias, TypeVar, Unpack
+from typing import Any, TypeAlias, Unpack
 
 import numpy as np
 
@@ -18,7 +18,6 @@ from drystone.base.display import rounded_down, rounded_up
 from drystone.base.errors import InputError, counted
 from drystone.base.settings import Clock, LongWork, checked_call
 from drystone.base.table import Table
-from drystone.base.workers import WorkerPool
 from drystone.limits import LimitOptions, limit_friction, limit_tilt
 from drystone.model import Model
 from drystone.sequence.evaluation import Evaluator
@@ -27,9 +26,6 @@ from drystone.sequence.plans import Plan
 from drystone.sequence.rules import strength
 from drystone.sequence.stage_tree import overloads
 from drystone.sequence.stages import Stage, StagedModel, mask_of
-
-Given = TypeVar("Given")
-Found = TypeVar("Found")
 
 
 @dataclass(frozen=True)
@@ -179,24 +175,11 @@ def margins(
     task = partial(_margin_of, plan.model, widths=widths, upper=tilt_upper, directions=directions)
     stages = [Stage(step.placed, mask_of(step.props)) for step in plan.steps]
     clock = Clock.of(work)
-    found = list(in_turn(task, stages, "margins", clock))
+    found = list(clock.answers(task, stages, "margins"))
     unknown = [Margin(math.nan, math.nan)] * (len(stages) - len(found))
     within = friction_width, tilt_width
     stopped = clock.reason if unknown else ""
     return Margins(plan, (*found, *unknown), within, stopped=stopped)
-
-
-def in_turn(
-    task: Callable[[Given], Found],
-    values: Sequence[Given],
-    name: str,
-    clock: Clock,
-) -> Iterator[Found]:
-    """Results of a task for several values, in order, until the time limit."""
-    with WorkerPool(clock.workers) as pool:
-        for number, found in enumerate(pool.answers(task, values, clock.late), start=1):
-            yield found
-            clock.tell(name, number, len(values))
 
 
 def _margin_of(
@@ -315,7 +298,7 @@ def sweep_friction(
     models = [model.with_friction(value) for value in values]
     plans, reasons = [], []
     best: tuple[float, Plan] | None = None
-    found = in_turn(plan_at, models, "friction", clock)
+    found = clock.answers(plan_at, models, "friction")
     for value, plan in zip(values, found, strict=False):
         if plan.stopped:
             break

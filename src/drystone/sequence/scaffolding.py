@@ -32,7 +32,6 @@ from drystone.base.arrays import Floats
 from drystone.base.errors import InputError, counted
 from drystone.base.settings import Clock, LongWork, checked_call, member_of
 from drystone.base.table import Table
-from drystone.base.workers import WorkerPool
 from drystone.io.opening import Given, LongHow, as_model
 from drystone.model import Model
 from drystone.results import Result, Verdict
@@ -291,14 +290,12 @@ def scaffolding(
     clock = Clock.of(work)
     propped = [(number, step) for number, step in enumerate(plan.steps) if step.props]
     rows: list[_Row] = []
-    with WorkerPool(clock.workers) as pool:
-        several = [(step.placed, mask_of(step.props)) for _, step in propped]
-        answers = pool.answers(partial(_checked, stages), several, clock.late)
-        for (number, step), (whole, result) in zip(propped, answers, strict=False):
-            told = ", ".join(plan.model.assembly.names[b] for b in sorted(step.props))
-            followed = "no" if stages.only_looked_at(whole, result) else "yes"
-            rows.append(_row(number + 1, told, whole, result, followed))
-            clock.tell("scaffolding", len(rows), len(propped))
+    several = [(step.placed, mask_of(step.props)) for _, step in propped]
+    answers = clock.answers(partial(_checked, stages), several, "scaffolding")
+    for (whole, result), (number, step) in zip(answers, propped, strict=False):
+        told = ", ".join(plan.model.assembly.names[b] for b in sorted(step.props))
+        followed = "no" if stages.only_looked_at(whole, result) else "yes"
+        rows.append(_row(number + 1, told, whole, result, followed))
     failed = [row.step for row in rows if row.verdict != Verdict.STABLE.value or row.overloaded]
     failed += [i for i, one in enumerate(plan.steps, 1) if not (one.props or one.answer.stands)]
     columns = {key: [getattr(row, key) for row in rows] for key in _Row._fields}

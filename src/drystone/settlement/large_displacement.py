@@ -247,13 +247,7 @@ def _driven(
     apart = faces_apart(model, FARTHEST)
     part, gap = followed_model(model, apart)
     carrier = chosen.carrier or CARRIER[model.ends] or Carrier.MOVING
-    most = 0
-
-    def tell(share: float) -> None:
-        nonlocal most
-        most = max(most, min(int(100.0 * share), 99))
-        clock.tell(STAGE[drive], most, 100)
-
+    tell = clock.shares(STAGE[drive])
     overlap = chosen.overlap
     while True:
         bodies = build_bodies(part, carrier, overlap=overlap, tangential=chosen.tangential, gap=gap)

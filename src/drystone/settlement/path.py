@@ -246,19 +246,13 @@ def path_of(
         if again is not None:
             return again, not first
     stage = f"following the blocks, ends carried by the {carrier.value} block"
-    most = 0
-
-    def tell(travel: float) -> None:
-        nonlocal most
-        most = max(most, min(int(100.0 * travel / chosen.fall), 99))
-        case.clock.tell(stage, most, 100)
-
+    tell = case.clock.shares(stage)
     overlap = chosen.overlap if overlap is None else overlap
     far: tuple[Bodies, Track] | None = None
     felt: Floats | None = None
     almost: tuple[Bodies, Track] | None = None
     while True:
-        follower = case.follower(carrier, overlap, tell, felt)
+        follower = case.follower(carrier, overlap, lambda far: tell(far / chosen.fall), felt)
         if case.left_at < np.inf and overlap < chosen.overlap:
             follower.step_limit = min(chosen.step_limit, STIFF_STEPS)
         bodies = follower.bodies

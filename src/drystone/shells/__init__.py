@@ -39,7 +39,6 @@ from drystone.shells.shell_options import JointForm as JointForm
 from drystone.shells.shell_options import Layout as Layout
 from drystone.shells.shell_options import ShellBody as ShellBody
 from drystone.shells.sources import curve_through as curve_through
-from drystone.shells.sources import patch_from_curves as patch_from_curves
 from drystone.shells.sources import patch_from_function as patch_from_function
 from drystone.shells.sources import patch_from_grid as patch_from_grid
 from drystone.shells.sources import patch_from_sections as patch_from_sections

@@ -9,10 +9,7 @@ Source: Schek 1974, "The force density method for form finding".
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import partial
-from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy import sparse
@@ -26,9 +23,6 @@ from drystone.geometry.coincidence import distinct
 from drystone.loads import STANDARD_GRAVITY
 from drystone.shells.patch import Shape, Side
 from drystone.shells.sources import patch_from_grid
-
-if TYPE_CHECKING:
-    from scipy.spatial import cKDTree
 
 _ROUNDS = 60
 """Largest number of iterations of load and form; each reduces the error about ten times."""
@@ -66,31 +60,6 @@ class FormFound(OneLine):
     residual: float
     height: float
     rounds: int
-
-    def stress_thickness(
-        self, stress: float, *, least: float, most: float
-    ) -> Callable[[Floats], Floats]:
-        """Thickness [m] at which the thrust causes the given mean stress [Pa], within limits.
-
-        The thrust per width at a node is the mean force of its bars divided by half their mean
-        length: each bar carries the strip half-way to its neighbours.
-        """
-        from scipy.spatial import cKDTree  # slow to import
-
-        ends = self.bar.ravel()
-        length = np.linalg.norm(self.point[self.bar[:, 0]] - self.point[self.bar[:, 1]], axis=1)
-        count = np.maximum(np.bincount(ends, minlength=len(self.point)), 1)
-        mean_force = np.bincount(ends, np.repeat(self.force, 2), minlength=len(self.point)) / count
-        mean_length = np.bincount(ends, np.repeat(length, 2), minlength=len(self.point)) / count
-        wanted = np.clip(mean_force / np.maximum(mean_length, 1e-300) / stress, least, most)
-        return partial(_nearby_mean, cKDTree(self.point), wanted)
-
-
-def _nearby_mean(tree: cKDTree, value: Floats, points: Floats) -> Floats:
-    """Mean (k,) of the values of the four nearest nodes, weighted by inverse distance."""
-    distance, near = tree.query(points, k=4)
-    weight = 1.0 / np.maximum(distance, 1e-9)
-    return (value[near] * weight).sum(axis=1) / weight.sum(axis=1)
 
 
 @dataclass(frozen=True, eq=False)

@@ -60,16 +60,9 @@ class Pins(OneLine):
         return range(int(self.start[vertex]), int(self.start[vertex + 1]))
 
 
-def flat_loops(cells: Sequence[Sequence[int]]) -> tuple[Ints, Ints]:
-    """Loops as one array and their starts."""
-    loop = np.array([i for cell in cells for i in cell], dtype=np.intp)
-    start = Ragged.of(cells).start
-    return loop, start
-
-
 def vertex_means(mesh: Tessellation, per_cell: Floats) -> Floats:
     """Mean (v,) at each vertex of a value per cell (c,)."""
-    loop, start = flat_loops(mesh.cells)
+    loop, start = mesh.loops
     return _corner_means(loop, np.repeat(per_cell, np.diff(start)), len(mesh.point))
 
 
@@ -84,7 +77,7 @@ def _facet_means(mesh: Tessellation, point: Floats, vector: Floats) -> Floats:
 
     The cells have their vertices at ``point`` (v, 3).
     """
-    loop, start = flat_loops(mesh.cells)
+    loop, start = mesh.loops
     area = area_vectors(point[loop], start)
     facet = area / np.maximum(np.linalg.norm(area, axis=1, keepdims=True), 1e-300)
     across = dot(vector[loop], np.repeat(facet, np.diff(start), axis=0))
@@ -250,7 +243,7 @@ def make_blocks(
 
 def _solid_caps(pins: Pins, caps: Sequence[Polygon]) -> list[list[Polygon]]:
     """Every inner and outer face as one polygon, or as triangles where its fan would fold over."""
-    loop, start = flat_loops(caps)
+    loop, start = np.concatenate(caps), Ragged.of(caps).start
     height, seen = warp_and_view(pins.point[loop], start)
     area = np.linalg.norm(area_vectors(pins.point[loop], start), axis=1)
     made = [[cap] for cap in caps]
@@ -268,7 +261,7 @@ def _refuse_crossed_faces(mesh: Tessellation, pins: Pins) -> None:
         low, high, sides = cell_faces(mesh, pins, cell)
         faces += [low, high, *sides]
         owner += [c] * (2 + len(sides))
-    loop, start = flat_loops(faces)
+    loop, start = np.concatenate(faces), Ragged.of(faces).start
     corner = pins.point[loop]
     area = area_vectors(corner, start)
     size = np.linalg.norm(area, axis=1)
@@ -294,7 +287,7 @@ _LARGEST_SHARE = 2.0 / 3.0
 
 def mean_width(mesh: Tessellation) -> float:
     """[m], square root of the mean area of a cell: the size of a block."""
-    loop, start = flat_loops(mesh.cells)
+    loop, start = mesh.loops
     area = np.linalg.norm(area_vectors(mesh.point[loop], start), axis=1)
     return float(np.sqrt(area.mean()))
 
@@ -386,7 +379,7 @@ def fit_cells(mesh: Tessellation, shape: Shape) -> tuple[Tessellation, float]:
     mesh
     largest : [m] largest move
     """
-    loop, start = flat_loops(mesh.cells)
+    loop, start = mesh.loops
     area = area_vectors(mesh.point[loop], start)
     size = np.linalg.norm(area, axis=1)
     middle = Ragged(start).mean(mesh.point[loop])

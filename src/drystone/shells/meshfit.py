@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
+import shapely
 from scipy import sparse
 from scipy.sparse.linalg import spsolve
 
@@ -24,9 +25,18 @@ from drystone.base.ragged import Ragged
 from drystone.geometry.coincidence import first_coincident
 from drystone.geometry.frames import area_vectors, frames_from_normals
 from drystone.geometry.polyhedron import edges_of, loop_edges, rings, used_vertices
-from drystone.shells.patch import Edge, Patch, Seam, Shape, Side, arc_lengths, check_patch
+from drystone.shells.patch import (
+    Edge,
+    Patch,
+    Seam,
+    Shape,
+    Side,
+    arc_lengths,
+    at_lengths,
+    check_patch,
+)
 from drystone.shells.sources import patch_from_grid
-from drystone.shells.spine import Spine, SpineNode, at_lengths, spine_of
+from drystone.shells.spine import Spine, SpineNode, spine_of
 
 _NODES = 13
 """Points of each vault from its open side to the spine, and from one node of that to the next."""
@@ -172,10 +182,8 @@ def _on_spine(
 
 def _nearest(line: Floats, point: Floats) -> Floats:
     """The nearest point to another of a polyline (p, 2)."""
-    step = np.diff(line, axis=0)
-    share = np.clip(dot(point - line[:-1], step) / dot(step, step), 0.0, 1.0)
-    on = line[:-1] + share[:, None] * step
-    return on[np.argmin(np.linalg.norm(on - point, axis=1))]
+    whole = shapely.LineString(line)
+    return np.array(whole.interpolate(whole.project(shapely.Point(point))).coords[0])
 
 
 def _evenly(line: Floats, lifted: Callable[[Floats], Floats]) -> Floats:

@@ -357,7 +357,8 @@ class Shape(OneLine):
             self._check_seam(seam)
 
     def _check_seam(self, seam: Seam) -> None:
-        one, other = (_resample(self.points_along(e, 257), 33) for e in (seam.one, seam.other))
+        lines = [self.points_along(e, 257) for e in (seam.one, seam.other)]
+        one, other = (at_lengths(x, np.linspace(0.0, arc_lengths(x)[-1], 33)) for x in lines)
         gap = float(np.linalg.norm(one - other, axis=1).max())
         size = max(self.patches[e.patch].size for e in (seam.one, seam.other))
         if gap > _SEAM_GAP * size:
@@ -387,11 +388,10 @@ class Shape(OneLine):
         return replace(self, supports=tuple(supports))
 
 
-def _resample(points: Floats, count: int) -> Floats:
-    """(count, 3) points evenly along a polyline (p, 3)."""
-    length = arc_lengths(points)
-    at = np.linspace(0.0, length[-1], count)
-    return np.stack([np.interp(at, length, points[:, i]) for i in range(3)], axis=1)
+def at_lengths(line: Floats, at: Floats | float) -> Floats:
+    """Points (k, d), or one, of a polyline (p, d) at lengths along it."""
+    length = arc_lengths(line)
+    return np.stack([np.interp(at, length, axis) for axis in line.T], axis=-1)
 
 
 def arc_lengths(points: Floats) -> Floats:

@@ -158,6 +158,11 @@ class Cells(OneLine):
     position: Ints
     inner: Bools
 
+    @property
+    def loops(self) -> tuple[Ints, Ints]:
+        """The vertices of all cells, one after the other, and where each cell starts."""
+        return np.concatenate(self.cells).astype(np.intp), Ragged.of(self.cells).start
+
 
 @dataclass(frozen=True, eq=False)
 class Pattern(Cells):
@@ -217,7 +222,7 @@ def lay_pattern(
     pattern = Pattern(
         uv=np.stack([u, v], axis=1),
         cells=tuple(cells),
-        names=_names(course, position),
+        names=tuple(f"c{c:02d}-b{b:02d}" for c, b in zip(course, position, strict=True)),
         course=course,
         position=position,
         centre=_centres(u, v, cells, closed=courses.patch.closed),
@@ -303,7 +308,7 @@ def _cells(
 
 
 def _centres(u: Floats, v: Floats, cells: list[tuple[int, ...]], *, closed: bool) -> Floats:
-    loop = np.array([i for cell in cells for i in cell], dtype=np.intp)
+    loop = np.concatenate(cells).astype(np.intp)
     corners = Ragged.of(cells)
     base = corners.spread(v[loop[corners.first]])
     along = (v[loop] - base + 0.5) % 1.0 - 0.5 + base if closed else v[loop]
@@ -325,14 +330,6 @@ def _borders(courses: Courses, u: Floats, v: Floats, line: Ints) -> dict[Side, t
         borders[Side.LEFT] = run(np.flatnonzero(v <= 0.0), u)
         borders[Side.RIGHT] = run(np.flatnonzero(v >= 1.0), u)
     return borders
-
-
-def _name(course: int, position: int) -> str:
-    return f"c{course:02d}-b{position:02d}"
-
-
-def _names(course: Ints, position: Ints) -> tuple[str, ...]:
-    return tuple(_name(c, b) for c, b in zip(course.tolist(), position.tolist(), strict=True))
 
 
 def _refuse_inside_out(pattern: Pattern) -> None:

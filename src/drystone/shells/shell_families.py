@@ -305,18 +305,7 @@ def three_vault_plan(reach: float = 6.0, waist: float = 2.5, foot: float = 2.4) 
     out = np.stack([np.cos(turn), np.sin(turn), np.zeros(3)], axis=1)
     side = 0.5 * foot * np.stack([-out[:, 1], out[:, 0], out[:, 2]], axis=1)
     feet = np.stack([reach * out - side, reach * out + side], axis=1)
-    return vaults_between(feet, -waist * np.roll(out, 1, axis=0), name="three vaults")
-
-
-def vaults_between(feet: Floats, waists: Floats, *, name: str) -> Shape:
-    """A flat plan of vaults from foot to foot about a point, each with its courses along its span.
-
-    Parameters
-    ----------
-    feet : (k, 2, 3) [m] the ends of each foot, counter-clockwise
-    waists : (k, 3) [m] the middle of the open side after each foot
-    name
-    """
+    waists = -waist * np.roll(out, 1, axis=0)
     count, middle = len(feet), feet.mean(axis=1)
     after = np.roll(np.arange(count), -1)
     vaults = tuple(
@@ -329,7 +318,7 @@ def vaults_between(feet: Floats, waists: Floats, *, name: str) -> Shape:
         for k in range(count)
     )
     supports = tuple(Edge(k, side) for k in range(count) for side in (Side.LEFT, Side.RIGHT))
-    return Shape(vaults, seams, supports, name=name)
+    return Shape(vaults, seams, supports, name="three vaults")
 
 
 def _flat_vault(low: Floats, high: Floats, u: Floats, v: Floats) -> Floats:

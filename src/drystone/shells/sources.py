@@ -1,4 +1,4 @@
-"""Patches from curves, sections, control grids and functions; meshes from files."""
+"""Patches from sections, control grids and functions; meshes from files."""
 
 from __future__ import annotations
 
@@ -6,23 +6,20 @@ import itertools
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from drystone.base.arrays import SAME, Floats, frozen_floats
+from drystone.base.arrays import Floats, frozen_floats
 from drystone.base.errors import FormatError, InputError
 from drystone.base.files import PathLike, read_bytes
 from drystone.base.units import scale_of
 from drystone.io import format_of
 from drystone.io.draft import UP
-from drystone.shells.patch import SAMPLES, Patch, arc_lengths, check_patch, numbers
+from drystone.shells.patch import Patch, arc_lengths, check_patch, numbers
 
 if TYPE_CHECKING:
     from scipy.interpolate import NdBSpline
-
-_Curve: TypeAlias = Callable[[Floats], Any]
-"""s (k,) in [0, 1] to points (k, 3) [m]."""
 
 
 def patch_from_function(
@@ -51,8 +48,10 @@ def patch_from_function(
     return patch
 
 
-def curve_through(points: Any) -> _Curve:
+def curve_through(points: Any) -> Callable[[Floats], Any]:
     """A cubic curve through points (p, 3) [m], by chord length; two points give a line.
+
+    It gives points (k, 3) [m] for s (k,) in [0, 1].
 
     Parameters
     ----------
@@ -68,80 +67,7 @@ def curve_through(points: Any) -> _Curve:
     chord = np.diff(at)
     if not (chord > 0.0).all():
         raise InputError(f"curve point {int(np.argmin(chord)) + 1} repeats the one before")
-    if len(corners) == 2:
-        return partial(_line, *corners)
     return CubicSpline(at / at[-1], corners)
-
-
-def _line(start: Floats, end: Floats, s: Floats) -> Floats:
-    return start + np.asarray(s)[:, None] * (end - start)
-
-
-def patch_from_curves(
-    bottom: _Curve, top: _Curve, left: _Curve, right: _Curve, *, name: str = "patch"
-) -> Patch:
-    """The Coons patch of four boundary curves.
-
-    Parameters
-    ----------
-    bottom, top
-        u = 0 and u = 1, run along v from the left to the right.
-    left, right
-        v = 0 and v = 1, run along u from the bottom to the top.
-    name
-        Of the patch, as errors name it.
-
-    Raises
-    ------
-    InputError
-        The curves do not meet at a corner, cross each other, or span a folded patch.
-
-    Notes
-    -----
-    Source: Coons 1967 (bilinearly blended patch).
-
-    Examples
-    --------
-    >>> line = lambda a, b: curve_through([a, b])
-    >>> arch = lambda y: curve_through([(0, y, 0), (1, y, 1), (2, y, 0)])
-    >>> patch = patch_from_curves(line((0, 0, 0), (0, 3, 0)), line((2, 0, 0), (2, 3, 0)),
-    ...                           arch(0.0), arch(3.0))
-    >>> patch.point(0.5, 0.5).round(6).tolist()
-    [1.0, 1.5, 1.0]
-    """
-    where = f"patch '{name}'"
-    ends = np.array([0.0, 1.0])
-    b, t, lo, r = (np.asarray(c(ends), dtype=np.float64) for c in (bottom, top, left, right))
-    size = float(np.linalg.norm(np.ptp(np.concatenate([b, t]), axis=0)))
-    pairs = {
-        "bottom and left": (b[0], lo[0]),
-        "bottom and right": (b[1], r[0]),
-        "top and left": (t[0], lo[1]),
-        "top and right": (t[1], r[1]),
-    }
-    for sides, (one, other) in pairs.items():
-        gap = float(np.linalg.norm(one - other))
-        if gap > SAME * size:
-            raise InputError(
-                f"boundary curves {sides} are {gap:.3g} m apart at their corner",
-                where=where,
-                remedy="bottom and top run left to right, left and right run bottom to top",
-            )
-    _refuse_crossings({"bottom": bottom, "top": top, "left": left, "right": right}, size, where)
-    return patch_from_function(partial(_coons, bottom, top, left, right), name=name)
-
-
-def _coons(
-    bottom: _Curve, top: _Curve, left: _Curve, right: _Curve, u: Floats, v: Floats
-) -> Floats:
-    """Points between four curves."""
-    U, V, ends = u[:, None], v[:, None], np.array([0.0, 1.0])
-    low, high = np.asarray(bottom(v)), np.asarray(top(v))
-    between_rows = (1.0 - U) * low + U * high
-    between_columns = (1.0 - V) * np.asarray(left(u)) + V * np.asarray(right(u))
-    b, t = np.asarray(bottom(ends)), np.asarray(top(ends))
-    corners = (1.0 - U) * ((1.0 - V) * b[0] + V * b[1]) + U * ((1.0 - V) * t[0] + V * t[1])
-    return between_rows + between_columns - corners
 
 
 def patch_from_sections(sections: Sequence[Any], *, name: str = "patch") -> Patch:
@@ -241,25 +167,6 @@ def _spline(at_u: Floats, at_v: Floats, points: Floats) -> NdBSpline:
     by_u = make_interp_spline(at_u, points, min(3, len(at_u) - 1))
     by_v = make_interp_spline(at_v, by_u.c.swapaxes(0, 1), min(3, len(at_v) - 1))
     return NdBSpline((by_u.t, by_v.t), by_v.c.swapaxes(0, 1), (by_u.k, by_v.k))
-
-
-def _refuse_crossings(curves: dict[str, _Curve], size: float, where: str) -> None:
-    """Raise for boundary curves that meet away from their corners."""
-    s = np.linspace(0.0, 1.0, SAMPLES)[1:-1]
-    sampled = {side: np.asarray(curve(s), dtype=np.float64) for side, curve in curves.items()}
-    middle = {side: points[len(points) // 2] for side, points in sampled.items()}
-    for one, other in (("bottom", "top"), ("left", "right")):
-        gap = np.linalg.norm(sampled[one][:, None] - sampled[other][None], axis=2)
-        across = sampled[other] - sampled[one]
-        towards = middle[other] - middle[one]
-        signs = np.sign(across @ towards)
-        if gap.min() < 1e-9 * size or ((signs < 0).any() and gap.min() < 0.05 * size):
-            i, j = np.unravel_index(int(np.argmin(gap)), gap.shape)
-            raise InputError(
-                f"boundary curves {one} and {other} cross near {s[i]:.2f} and {s[j]:.2f}",
-                where=where,
-                remedy="opposite sides of a patch must stay apart",
-            )
 
 
 def read_surface(

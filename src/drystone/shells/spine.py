@@ -15,7 +15,7 @@ import numpy as np
 import shapely
 
 from drystone.base.arrays import SAME, Floats, Ints
-from drystone.shells.patch import arc_lengths
+from drystone.shells.patch import arc_lengths, at_lengths
 
 if TYPE_CHECKING:
     from scipy.spatial import Voronoi
@@ -119,10 +119,10 @@ def spine_of(outline: Floats, sides: Sequence[Floats], bends: Sequence[Floats]) 
     from scipy.spatial import Voronoi  # slow to import
 
     spacing = sum(float(arc_lengths(side)[-1]) for side in sides) / _SAMPLES
-    samples = [_sampled(side, spacing) for side in sides]
-    site = np.concatenate([place for place, _ in samples])
-    along = np.concatenate([length for _, length in samples])
-    label = np.repeat(np.arange(len(sides)), [len(length) for _, length in samples])
+    fine = [shapely.segmentize(shapely.LineString(side), spacing) for side in sides]
+    samples = [shapely.get_coordinates(line) for line in fine]
+    site, along = np.concatenate(samples), np.concatenate([arc_lengths(line) for line in samples])
+    label = np.repeat(np.arange(len(sides)), [len(line) for line in samples])
     cells = Voronoi(site)
     pair, ends = np.sort(cells.ridge_points), np.array(cells.ridge_vertices)  # labels ascend
     middle = cells.vertices[ends].mean(axis=1)
@@ -149,23 +149,6 @@ def _with_bends(spine: Spine, sides: Sequence[Floats], bends: Sequence[Floats]) 
     for k, length, bend in turns:  # an inward bend is closer to the spine than the one across it
         spine = spine.bent(k, length, bend)
     return spine
-
-
-def at_lengths(line: Floats, at: Floats | float) -> Floats:
-    """Points (k, 2), or one, of a polyline (p, 2) at lengths along it."""
-    length = arc_lengths(line)
-    return np.stack([np.interp(at, length, axis) for axis in line.T], axis=-1)
-
-
-def _sampled(side: Floats, spacing: float) -> tuple[Floats, Floats]:
-    """Points (p, 2) of a side, its own among them, and their lengths (p,) along it."""
-    length = arc_lengths(side)
-    parts = np.maximum(np.ceil(np.diff(length) / spacing), 1.0).astype(int)
-    along = np.concatenate(
-        [np.linspace(a, b, n, endpoint=False)
-         for (a, b), n in zip(itertools.pairwise(length), parts, strict=True)] + [length[-1:]]
-    )  # fmt: skip
-    return at_lengths(side, along), along
 
 
 def _meetings(

@@ -77,15 +77,6 @@ def test_the_three_vaults_look_alike_from_each_leg():
     assert np.allclose(first @ rotation.T, second, atol=1e-9)
 
 
-def test_stress_decides_the_thickness_within_its_limits():
-    thickness = SHELL.stress_thickness(1e5, least=0.1, most=0.3)(SHELL.point)
-    assert thickness.min() >= 0.1 - 1e-12
-    assert thickness.max() <= 0.3 + 1e-12
-    thicker = SHELL.stress_thickness(0.5e5, least=0.1, most=0.3)(SHELL.point)
-    assert (thicker >= thickness - 1e-12).all()
-    assert thicker.mean() > thickness.mean()
-
-
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

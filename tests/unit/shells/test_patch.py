@@ -5,9 +5,7 @@ from drystone import InputError
 from drystone.shells import (
     Patch,
     barrel_vault,
-    curve_through,
     dome,
-    patch_from_curves,
     patch_from_function,
     patch_from_grid,
     patch_from_sections,
@@ -15,10 +13,6 @@ from drystone.shells import (
 from drystone.shells.patch import curvatures
 
 LINE = [(0.0, 0.0, 0.0), (0.0, 3.0, 0.0)]
-
-
-def arch(y, sideways=0.0):
-    return curve_through([(0.0, y, 0.0), (1.0, y + sideways, 1.0), (2.0, y, 0.0)])
 
 
 def test_normals_of_a_dome_are_radial_and_look_outwards():
@@ -38,17 +32,6 @@ def test_curvatures_of_a_sphere_and_a_cylinder():
     cylinder = curvatures(barrel_vault(6.0, 4.0).patches[0], 0.4, 0.3)
     assert np.allclose(sphere, 0.2, atol=1e-4)
     assert np.allclose(cylinder, [0.0, 1.0 / 3.0], atol=1e-4)
-
-
-def test_a_coons_patch_runs_through_its_four_boundary_curves():
-    bottom, top = curve_through(LINE), curve_through([(2, 0, 0), (2, 3, 0)])
-    left, right = arch(0.0), arch(3.0)
-    patch = patch_from_curves(bottom, top, left, right)
-    s = np.linspace(0.0, 1.0, 11)
-    assert np.allclose(patch.point(0.0, s), bottom(s))
-    assert np.allclose(patch.point(1.0, s), top(s))
-    assert np.allclose(patch.point(s, 0.0), left(s))
-    assert np.allclose(patch.point(s, 1.0), right(s))
 
 
 def test_a_grid_patch_runs_through_its_points():
@@ -80,23 +63,6 @@ def test_a_break_keeps_a_corner_sharp():
 def test_a_loft_runs_through_its_sections():
     patch = patch_from_sections([LINE, [(1, 0, 1), (1, 3, 1)], [(2, 0, 0), (2, 3, 0)]])
     assert np.allclose(patch.point(0.5, 0.5), [1.0, 1.5, 1.0])
-
-
-def test_crossing_boundary_curves_are_refused():
-    with pytest.raises(InputError, match="left and right cross"):
-        patch_from_curves(
-            curve_through(LINE),
-            curve_through([(2, 0, 0), (2, 3, 0)]),
-            curve_through([(0, 0, 0), (1, 4, 0), (2, 0, 0)]),
-            curve_through([(0, 3, 0), (1, -1, 0), (2, 3, 0)]),
-        )
-
-
-def test_boundary_curves_that_do_not_meet_are_refused():
-    with pytest.raises(InputError, match="top and left are 3 m apart"):
-        patch_from_curves(
-            curve_through(LINE), curve_through([(2, 3, 0), (2, 0, 0)]), arch(0.0), arch(3.0)
-        )
 
 
 def test_a_folded_patch_is_refused():
