@@ -1,7 +1,7 @@
 """Removal of unnecessary help from an order.
 
-The search relies on quick looks and never removes a prop. So a block may be propped or held
-without need at the end. Here the full check is asked without each help.
+The search relies on quick looks and never removes a prop. So a block may be propped at a stage that
+stands without. Here that is asked.
 """
 
 from __future__ import annotations
@@ -16,10 +16,6 @@ from drystone.base.settings import Stopped
 from drystone.sequence.order_search import OrderSearch
 from drystone.sequence.stage_tree import Cost, Node
 from drystone.sequence.stages import StageAnswer, mask_of, members
-from drystone.stability.attempts import MANY_BLOCKS
-
-POLISHED = 8
-"""Largest number of props of one stage that are tested one by one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,8 +53,6 @@ class Trimmed:
 def trimmed(found: tuple[list[Node], bool], search: OrderSearch) -> Trimmed:
     """The order that a search found, without its unnecessary help."""
     path = found[0][::-1]
-    if search.quick:
-        path = apart(path, search)
     return _finished(path, [_needed(node, search) for node in path], found[1], search)
 
 
@@ -112,7 +106,7 @@ def _carried(node: Node, last: Sequence[int], more: int, search: OrderSearch) ->
     ranked = sorted(members(near), key=lambda b: (not more >> b & 1, not newest >> b & 1))
     for added in filter(None, (more & able, *(1 << block for block in ranked))):
         wider = props | added
-        stands = _stands(replace(node, props=wider), search, full=False)
+        stands = _stands(replace(node, props=wider), search)
         if stands and search.failure(placed, wider, followed=True) is None:
             return wider
     return _under_what_falls(node, able, fails, search)
@@ -155,29 +149,6 @@ def _cost(path: Sequence[Node], props: Sequence[int]) -> Cost:
     return ever.bit_count(), held.bit_count(), sum(len(group) - 1 for group in several)
 
 
-def apart(path: Sequence[Node], search: OrderSearch) -> list[Node]:
-    """The same order, with groups divided where the first blocks stand without the others.
-
-    Parameters
-    ----------
-    path
-        In the order of assembly.
-    search
-    """
-    out: list[Node] = []
-    for node in path:
-        late, end = node, len(node.group)
-        for start in range(len(node.group) - 1, 0, -1):  # the last removed come first
-            placed = node.placed | mask_of(node.group[start:])
-            props = (node.props | (node.parent.props if node.parent else 0)) & placed
-            early = replace(node, placed=placed, props=props, group=node.group[:start])
-            if search.answer(early).stands and search.can_hold(early):
-                out.append(replace(late, group=node.group[start:end], parent=early))
-                late, end = early, start
-        out.append(late)
-    return out
-
-
 def _props_in_time(path: Sequence[Node], needed: Sequence[int], search: OrderSearch) -> list[int]:
     """Props at each stage, from the first to the last stage that needs them."""
     ever = reduce(or_, needed, 0)
@@ -186,59 +157,30 @@ def _props_in_time(path: Sequence[Node], needed: Sequence[int], search: OrderSea
         when = [i for i, mask in enumerate(needed) if mask >> block & 1]
         for i in range(when[0], when[-1] + 1):
             active[i] |= 1 << block
-    active = [
-        mask if _stands(replace(node, props=mask), search, full=False) else least
+    return [
+        mask if _stands(replace(node, props=mask), search) else least
         for node, mask, least in zip(path, active, needed, strict=True)
     ]
-    if search.model.largest[0] <= MANY_BLOCKS:
-        _spare(path, active, search)
-    return active
 
 
 def _needed(node: Node, search: OrderSearch) -> int:
-    """Props without which a stage falls, tested one by one if there are few."""
+    """Props with which a stage stands: none where it does without."""
     mask = node.props
     certain = mask_of(search.local.unbalanced(mask, node.placed))
     if mask == certain or search.failure(node.placed, mask) is not None:
         return mask
-    if not certain and _stands(replace(node, props=0), search, full=False):
+    if not certain and _stands(replace(node, props=0), search):
         return 0
-    doubtful = mask & ~certain
-    if doubtful.bit_count() <= POLISHED:
-        for block in members(doubtful):
-            if _stands(replace(node, props=mask & ~(1 << block)), search, full=False):
-                mask &= ~(1 << block)
     return mask
 
 
-def _spare(path: Sequence[Node], active: list[int], search: OrderSearch) -> None:
-    """Remove props from their first and last stages while all stages stand."""
-    ever = reduce(or_, active, 0)
-    for block in members(ever):
-        bit = 1 << block
-        when = [i for i, mask in enumerate(active) if mask & bit]
-        for stages in (when, when[::-1]):
-            for i in stages:
-                if not active[i] & bit:
-                    break  # all were removed from the other end
-                if search.failure(path[i].placed, active[i]) is not None:
-                    break  # what does not carry with a prop does not carry without it
-                fewer = replace(path[i], props=active[i] & ~bit)
-                if not (
-                    search.local.holds(block, fewer.placed) and _stands(fewer, search, full=True)
-                ):
-                    break
-                active[i] &= ~bit
-
-
-def _stands(node: Node, search: OrderSearch, *, full: bool) -> bool:
+def _stands(node: Node, search: OrderSearch) -> bool:
     """Whether a stage stands, and hands can hold the blocks placed together until the next one.
 
     A quick look must find it, and where the stages of the plan are checked the check must agree:
-    it follows blocks that uniform stiffness holds. What a quick look does not find is checked in
-    models of few blocks only, if ``full``.
+    it follows blocks that uniform stiffness holds.
     """
-    seen = search.answer(node, full=full and search.few)
+    seen = search.answer(node, full=False)
     if seen.stands and search.quick and search.model.small:
         stage = search.stage(node, quick=False)
         seen = search.evaluator.answer(stage, checked=True)

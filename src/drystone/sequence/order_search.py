@@ -37,10 +37,6 @@ many are checked before help is given. The bridge of the source with its load, a
 an order without help that is found after some hundred states."""
 
 
-class Costly(Exception):
-    """A search needs more props than it may."""
-
-
 class OrderSearch(StageTree):
     """One search; see the module docstring.
 
@@ -55,8 +51,6 @@ class OrderSearch(StageTree):
         Number of blocks tried for removal from one stage, the first ones in the order.
     scaffold, carried
         See :class:`drystone.sequence.stage_tree.StageTree`.
-    limit
-        Propped blocks above which it raises :class:`Costly`.
     """
 
     def __init__(
@@ -69,12 +63,10 @@ class OrderSearch(StageTree):
         progress: Progress | None = None,
         scaffold: ScaffoldedStages | None = None,
         carried: bool = True,
-        limit: int | None = None,
     ) -> None:
         whole = math.isinf(patience)
         super().__init__(evaluator, bound, None if whole else width, scaffold, carried)
         self.patience = patience
-        self.limit = limit
         self.tries = int(min(4.0, max(1.0, patience // 4)))
         self.progress = progress
         # they bound what is still to come, where the search goes to its end
@@ -97,19 +89,6 @@ class OrderSearch(StageTree):
         """Stages that stand, from a first one to the core, and whether less help is impossible."""
         if not self.by_course:
             return self.removed(root)
-        found = self.by_courses(root)
-        added = 0
-        for node in found[0]:
-            added |= node.props & ~root.props
-        if not added or found[0][-1].cost[1:] == (0, 0):
-            return found
-        props, held, together = root.cost
-        cost = props + added.bit_count(), held, together
-        again = self.by_courses(replace(root, props=root.props | added, cost=cost))
-        return min(found, again, key=lambda one: one[0][-1].cost)
-
-    def by_courses(self, root: Node) -> tuple[list[Node], bool]:
-        """As :meth:`run`, one course after the other."""
         proved, node = True, root
         for below in self.courses_below(root.placed):
             self.below_course = below
@@ -226,8 +205,6 @@ class OrderSearch(StageTree):
 
     def report(self, node: Node) -> None:
         """Keep the best stage, and report its progress."""
-        if self.limit is not None and node.cost[0] > self.limit:
-            raise Costly
         if self.reached is None or node.placed.bit_count() < self.reached.placed.bit_count():
             self.reached = node
         if self.progress is not None:

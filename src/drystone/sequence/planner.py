@@ -16,7 +16,7 @@ from drystone.base.settings import Clock, Options, Stopped, checked_call
 from drystone.io.opening import Given, LongHow, as_model
 from drystone.sequence.evaluation import Evaluator, finished, finished_whole
 from drystone.sequence.helping import Trimmed, mended, trimmed
-from drystone.sequence.order_search import Costly, OrderSearch
+from drystone.sequence.order_search import OrderSearch
 from drystone.sequence.plan_steps import Step, checked_step, refusal, without_help
 from drystone.sequence.plans import Plan
 from drystone.sequence.rules import BoundRules, Order, RemovalTest, Rules, bind, removal_rank
@@ -214,8 +214,6 @@ class _Planner:
             return known
         try:
             other = self.on_scaffolding(complete, bound, known)
-        except Costly:
-            return known
         except Stopped:
             self.cut_short()
             return known
@@ -224,7 +222,7 @@ class _Planner:
         return min(known, other, key=lambda one: one.rank)
 
     def on_scaffolding(self, complete: StageAnswer, bound: BoundRules, known: Trimmed) -> Trimmed:
-        """The order of a search with scaffolding at each stage; of a known one props are a limit.
+        """The order of a search with scaffolding at each stage.
 
         By courses, where the known order is not carried: a course carries the next one, where a
         strip that leans needs more than struts.
@@ -233,16 +231,11 @@ class _Planner:
         if fails and bound.rules.order is Order.TOP:
             courses = bind(replace(bound.rules, order=Order.COURSE), self.model, bound.removal)
             bound = replace(courses, impossible=bound.impossible)
-        other = self.searched(complete, bound, limit=None if fails else 2 * known.cost[0])
+        other = self.searched(complete, bound)
         return min(mended(other, self.new_search(bound)), other, key=lambda one: one.rank)
 
     def searched(
-        self,
-        complete: StageAnswer,
-        bound: BoundRules,
-        *,
-        carried: bool = True,
-        limit: int | None = None,
+        self, complete: StageAnswer, bound: BoundRules, *, carried: bool = True
     ) -> Trimmed:
         """An order by searches of one kind; see :meth:`new_search`.
 
@@ -250,7 +243,7 @@ class _Planner:
         with what is known then, until no fewer are denied. In models of few blocks less help is
         searched below it, except where the order is given.
         """
-        search = self.new_search(bound, carried=carried, limit=limit)
+        search = self.new_search(bound, carried=carried)
         root = Node(bound.there, 0)
         if not complete.stands:
             root = replace(search.prop(root, complete), cost=NO_HELP)
@@ -258,7 +251,7 @@ class _Planner:
         left = len(best.path)
         while 0 < best.denied < left:
             left = best.denied
-            search = self.new_search(bound, carried=carried, limit=limit)
+            search = self.new_search(bound, carried=carried)
             best = min(
                 best, trimmed(search.run(root), search), key=lambda one: (one.denied, one.cost)
             )
@@ -281,9 +274,7 @@ class _Planner:
         self.evaluator.late = bool
         self.cut = f"{self.clock.reason} before {before}"
 
-    def new_search(
-        self, bound: BoundRules, *, carried: bool = True, limit: int | None = None
-    ) -> OrderSearch:
+    def new_search(self, bound: BoundRules, *, carried: bool = True) -> OrderSearch:
         """A search that knows what is known of stages.
 
         Parameters
@@ -291,12 +282,10 @@ class _Planner:
         bound
         carried
             Whether scaffolding must carry the stages; else it only tells which blocks take it.
-        limit
-            Propped blocks above which it gives up.
         """
         self.last_search = OrderSearch(
             self.evaluator, bound, self.patience, self.options.width, progress=self.clock.progress,
-            scaffold=self.scaffold, carried=carried, limit=limit,
+            scaffold=self.scaffold, carried=carried,
         )  # fmt: skip
         return self.last_search
 
