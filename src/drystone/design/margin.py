@@ -310,7 +310,7 @@ class DesignMargin(Options):
         """
         if not quick:
             known = [] if near is None and self.robust else near
-            result = self.holds(model, stop, settle=False, near=known)
+            result = self.holds(model, stop, near=known)
             return self.meets(result) and not result.stopped
         cases = (model, *self.cases(model))
         for case, rests in zip(cases, _rests(near, len(cases)), strict=True):
