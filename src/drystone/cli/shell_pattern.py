@@ -51,14 +51,6 @@ class ShellPattern:
     course_height: Annotated[
         float | None, Option("Of the courses, in m, in place of their number.", expert=True)
     ] = None
-    partial: Annotated[
-        int | None,
-        Option(
-            "Courses that end inside where a side is longer: a number or auto (0).",
-            kind=kinds.OptionKind("COUNT|auto", _count_or_auto),
-            expert=True,
-        ),
-    ] = 0
     wedge: Annotated[
         tuple[float, ...] | None,
         Option(
@@ -103,7 +95,6 @@ class ShellPattern:
         return Layout(
             courses=courses if self.any_courses else given.get("courses"),
             height=self.course_height,
-            partial=self.partial,
             blocks=given.get("blocks"),
             width=width if self.any_width else given.get("width"),
             wedge=0.0 if wedge is None and not self.straight else shift,

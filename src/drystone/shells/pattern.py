@@ -34,9 +34,7 @@ LARGEST_WEDGE = 0.45
 """Largest wedge. Chosen: at half the height of a course head joints have no length."""
 
 
-def wedge_amount(
-    courses: Courses, wedge: Wedge | None, lines: Floats, v: Floats, line: Ints
-) -> Floats:
+def wedge_amount(courses: Courses, wedge: Wedge | None, v: Floats, line: Ints) -> Floats:
     """Wedge (p,) at each vertex, relative to the height of the course.
 
     Parameters
@@ -44,7 +42,6 @@ def wedge_amount(
     courses
     wedge
         None: the wedge of planar cells.
-    lines : (p, c + 1) position of every bed line at each vertex, relative to the length along u
     v, line : (p,) position and bed line of each vertex
 
     Raises
@@ -53,11 +50,10 @@ def wedge_amount(
         Not finite, too large, or of another length.
     """
     if wedge is None:
-        return _flat_wedge(courses, lines, v, line)
-    share = lines[np.arange(len(v)), line]
+        return _flat_wedge(courses, v, line)
     where = f"patch '{courses.patch.name}'"
     if callable(wedge):
-        amount = numbers(wedge(courses.parameter(share, v), v), "wedges", where)
+        amount = numbers(wedge(courses.parameter(courses.share[line], v), v), "wedges", where)
         if amount.shape != v.shape:
             raise InputError(f"the wedge function gave shape {amount.shape} for {len(v)} corners")
     elif isinstance(wedge, Real):
@@ -86,7 +82,7 @@ def wedge_amount(
     return amount
 
 
-def _flat_wedge(courses: Courses, lines: Floats, v: Floats, line: Ints) -> Floats:
+def _flat_wedge(courses: Courses, v: Floats, line: Ints) -> Floats:
     """Wedge (p,) of planar cells on a surface with these curvatures, at most the largest.
 
     The tangent planes at the middles of the cells intersect in the edges of a power diagram of
@@ -94,9 +90,8 @@ def _flat_wedge(courses: Courses, lines: Floats, v: Floats, line: Ints) -> Float
     width w and height h the corners are shifted by ``k_v w^2 / (8 k_u h^2)`` of the height. Source
     (tangent planes of a paraboloid): Aurenhammer 1987, Power diagrams.
     """
-    row = np.arange(len(v))
     at_u = [
-        courses.parameter(lines[row, np.clip(line + step, 0, courses.count)], v)
+        courses.parameter(courses.share[np.clip(line + step, 0, courses.count)], v)
         for step in (-1, 0, 1)
     ]
     low, here, high = (courses.patch.point(u, v) for u in at_u)
@@ -209,9 +204,7 @@ def lay_pattern(
     head_course = np.concatenate([np.full(len(x), i) for i, x in enumerate(joints)]).astype(np.intp)
     head_v = np.concatenate(list(joints))
     number = len(head_v)
-    canonical = courses.canonical(_wrapped(head_v, courses))
-    row = np.arange(number)
-    level = np.concatenate([canonical[row, head_course], canonical[row, head_course + 1]])
+    level = np.concatenate([head_course, head_course + 1])
     at_v = np.tile(head_v, 2)
     vertex, first = _merge(level, _wrapped(at_v, courses), closed=courses.patch.closed)
     bottom, top = vertex[:number], vertex[number:]
@@ -226,7 +219,7 @@ def lay_pattern(
         course=course,
         position=position,
         centre=_centres(u, v, cells, closed=courses.patch.closed),
-        heads=np.stack([bottom, top], axis=1)[bottom != top],
+        heads=np.stack([bottom, top], axis=1),
         inner=(line > 0) & (line < courses.count),
         borders=_borders(courses, u, v, line),
     )
@@ -255,18 +248,16 @@ def _shifted(
     courses: Courses, v: Floats, line: Ints, bottom: Ints, top: Ints, wedge: Wedge | None
 ) -> Floats:
     """Parameter u of each vertex: that of its bed line plus or minus the wedge."""
-    lines = courses.line(v)
-    row = np.arange(len(v))
-    share = lines[row, line]
+    lines, share = courses.share, courses.share[line]
     starts, ends = np.zeros(len(v), dtype=bool), np.zeros(len(v), dtype=bool)
     starts[bottom], ends[top] = True, True
     inner = (line > 0) & (line < courses.count)
     if not courses.patch.closed:
         inner &= (v > 0.0) & (v < 1.0)
     direction = np.where(inner, starts.astype(float) - ends.astype(float), 0.0)
-    amount = wedge_amount(courses, wedge, lines, v, line)
-    above = lines[row, np.minimum(line + 1, courses.count)] - share
-    under = share - lines[row, np.maximum(line - 1, 0)]
+    amount = wedge_amount(courses, wedge, v, line)
+    above = lines[np.minimum(line + 1, courses.count)] - share
+    under = share - lines[np.maximum(line - 1, 0)]
     reach = np.minimum(np.where(above > 0.0, above, under), np.where(under > 0.0, under, above))
     eased = eased_share(v, line, direction, closed=courses.patch.closed)
     return courses.parameter(share + direction * eased * amount * reach, v)
@@ -277,13 +268,12 @@ def _cells(
 ) -> tuple[list[tuple[int, ...]], Ints, Ints]:
     """Loops of every course: along its lower bed line, back along its upper one."""
     closed = courses.patch.closed
-    canonical = courses.canonical(v)
     cells: list[tuple[int, ...]] = []
     course: list[int] = []
     position: list[int] = []
     chains = []
     for i in range(courses.count + 1):
-        on = np.flatnonzero(canonical[:, i] == line)
+        on = np.flatnonzero(line == i)
         on = on[np.argsort(v[on], kind="stable")]
         at = v[on]
         if closed:
@@ -321,10 +311,9 @@ def _borders(courses: Courses, u: Floats, v: Floats, line: Ints) -> dict[Side, t
         order = np.argsort(along[chosen], kind="stable")
         return chosen[order], along[chosen][order]
 
-    top = courses.canonical(v)[:, -1]
     borders = {
         Side.BOTTOM: run(np.flatnonzero(line == 0), v),
-        Side.TOP: run(np.flatnonzero(line == top), v),
+        Side.TOP: run(np.flatnonzero(line == courses.count), v),
     }
     if not courses.patch.closed:
         borders[Side.LEFT] = run(np.flatnonzero(v <= 0.0), u)
@@ -342,7 +331,7 @@ def _refuse_inside_out(pattern: Pattern) -> None:
         raise InputError(
             "is turned inside out: its head joint has no height left",
             where=f"block '{name}'",
-            remedy="use a smaller wedge or fewer partial courses",
+            remedy="use a smaller wedge",
         )
 
 

@@ -319,15 +319,9 @@ def build_shell(
         raise InputError(f"{len(layouts)} layouts for {len(shape.patches)} patches")
     patterns = []
     for patch, plan in zip(shape.patches, layouts, strict=True):
-        courses = lay_courses(
-            patch,
-            count=plan.courses,
-            height=plan.height,
-            heights=plan.heights,
-            partial=plan.partial,
-        )
+        courses = lay_courses(patch, count=plan.courses, height=plan.height)
         bond = lay_bond(courses, blocks=plan.blocks, width=plan.width, staggered=plan.staggered)
-        patterns.append(lay_pattern(*bond, wedge=plan.wedge))
+        patterns.append(lay_pattern(courses, bond, wedge=plan.wedge))
     mesh, moved = fit_cells(weld(shape, patterns), shape)
     given = body.thickness if body.thickness is not None else shape.default_thickness
     thickness = vertex_thickness(mesh, given)

@@ -51,10 +51,8 @@ class Layout(Options):
 
     Attributes
     ----------
-    courses, height, heights
-        One of them: number of full courses, target height [m], or relative heights.
-    partial
-        Number of courses that end inside the patch; None: from the height.
+    courses, height
+        One of them: number of courses, or target height [m].
     blocks, width
         One of them: number per course (one value or one per course), or target width [m].
     staggered
@@ -70,8 +68,6 @@ class Layout(Options):
 
     courses: int | None = None
     height: float | None = None
-    heights: Sequence[float] | None = None
-    partial: int | None = 0
     blocks: int | Sequence[int] | None = None
     width: float | None = None
     staggered: bool = True

@@ -172,8 +172,6 @@ def test_a_large_drift_is_a_note(capsys: Capsys) -> None:
         ("barrel --thickness 8", ["larger than the radius of curvature 3 m"]),
         ("barrel --rise 5", ["more than half the span"]),
         ("barrel --supports left", ["--supports", "mesh files"]),
-        ("barrel --partial some", ["--partial", "a number or auto"]),
-        ("barrel --partial 1", ["no side is longer"]),
         ("barrel --courses 0", ["one or more courses"]),
         ("barrel --courses 4 --course-height 1", ["--courses and --course-height"]),
         ("barrel --blocks 4 --width 1", ["--blocks and --width"]),

@@ -75,11 +75,6 @@ SHELLS = {
     "by course": lambda: build_shell(
         barrel_vault(), LAYOUT, ShellBody(thickness=np.linspace(0.5, 0.3, 9).tolist())
     ),
-    "partial courses": lambda: build_shell(
-        Shape((fan(),), supports=(Edge(0, Side.BOTTOM), Edge(0, Side.TOP))),
-        Layout(height=0.5, width=0.6, wedge=0.15, partial=None),
-        ShellBody(thickness=0.2),
-    ),
     "half supported": lambda: build_shell(
         barrel_vault().supported_on(Edge(0, Side.BOTTOM, 0.0, 0.45), Edge(0, Side.TOP)), LAYOUT
     ),
@@ -467,7 +462,6 @@ def test_impossible_families_are_refused():
         (lambda: Layout(courses=9.5, blocks=4), "courses is 9.5; give a whole number"),
         (lambda: Layout(courses=9, blocks=4.5), "blocks is 4.5; give a whole number"),
         (lambda: Layout(courses=2, blocks=[4, 4.5]), r"blocks is \[4, 4.5\]; give a whole number"),
-        (lambda: Layout(courses=9, blocks=4, partial=0.5), "partial is 0.5; give a whole number"),
         (lambda: ShellBody(joggle_deg="x"), "joggle_deg is 'x'; give a number"),
         (
             lambda: ShellBody(intrados="bent"),
@@ -480,7 +474,6 @@ def test_impossible_families_are_refused():
         (lambda: built(wedge=lambda u, v: "a"), "wedges must be numbers, got 'a'"),
         (lambda: built(thickness="x"), "thickness is 'x'; give a number"),
         (lambda: built(thickness=[0.3, "x"]), "thickness is .*; give a number"),
-        (lambda: built(courses=None, heights=["a", 1]), "heights is .*; give a list of numbers"),
         (lambda: built(blocks=None, width="x"), "width is 'x'; give a number"),
     ],
 )
