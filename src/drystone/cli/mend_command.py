@@ -230,7 +230,7 @@ def shape(
     wanted: WithModel,
     waiting: Waiting,
 ) -> Told:
-    """Move the vertices of free blocks until a model stands, weighs least, or can be tilted most.
+    """Move the vertices of free blocks until a model stands, weighs least, or reaches farthest.
 
     Vertices at one place move together, and joints stay plane, so that they stay shared. The
     verdict is that of ``check``. --html and --png show it with the edges of the model before.

@@ -114,8 +114,8 @@ class Changed(Answer):
         Values of the variables of the search: sharpness of each interface of ``before`` [degrees],
         or moves of vertices [m].
     value, first
-        What was to be best, after the changes and before them: volume [m3], reach [m], tilt
-        [degrees], or the share of the load that needs help.
+        What was to be best, after the changes and before them: volume [m3], reach [m], or the
+        share of the load that needs help.
     rounds
         Of the search.
     """

@@ -34,15 +34,12 @@ class ShapeAim(enum.Enum):
     """The least volume [m3] with which it stands at the margin."""
     REACH = "reach"
     """The farthest reach [m] with which it stands at the margin."""
-    TILT = "tilt"
-    """The largest tilt [degrees] to each of four sides at which it stands."""
 
 
 MEASURES = {
     ShapeAim.STAND: "share of the load that needs help",
     ShapeAim.VOLUME: "volume [m3]",
     ShapeAim.REACH: "reach [m]",
-    ShapeAim.TILT: "tilt [degrees]",
 }
 """What is to be best."""
 
@@ -54,8 +51,7 @@ class ShapeOptions(Options):
     Attributes
     ----------
     aim
-        To stand; the least volume, or the farthest reach, with which it stands at the margin; or
-        the largest tilt to each of four sides at which it stands.
+        To stand; the least volume, or the farthest reach, with which it stands at the margin.
     margin
         Margin with which it has to stand: ``tilt=2deg`` to each side, ``load=1.2`` times the load,
         ``friction=0.9x``, or ``sensitive``, where STABLE after settling is enough.
@@ -84,14 +80,6 @@ class ShapeOptions(Options):
     least_edge: float = 0.0
     trust: float = 0.25
     close: float = 1e-3
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        if self.aim is ShapeAim.TILT and self.margin.tilt > 0.0:
-            raise InputError(
-                "the largest tilt and a margin of tilt contradict each other",
-                remedy="leave the margin of tilt out",
-            )
 
 
 class ShapeValues:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Any, Unpack
 
 import numpy as np
@@ -24,7 +23,6 @@ from drystone.design.shape_values import (
 )
 from drystone.io.opening import Given, LongHow, as_model
 from drystone.model import Model
-from drystone.results import Result
 
 _HELPED = 1e-4
 """Share of the load on the ground up to which a shape is taken to stand in the first round; at
@@ -54,17 +52,14 @@ class ShapeSearch(ShapeValues):
         super().__init__(model, moves, options, clock.late)
         self.clock = clock
 
-    def run(self, start: Floats | None = None) -> Changed:
-        """The best shape, from variables (p,) that nearly stand; from zero when left out.
+    def run(self) -> Changed:
+        """The best shape.
 
         A structure that falls is shaped on stiff ground first, and where that leads to nothing that
         stands, on weak ground from the beginning. Where blocks cross themselves on stiff ground,
         the search begins again, and edges keep a length from then on.
         """
-        if start is not None:
-            return self.made_to_stand(start, GROUND)
-        none = np.zeros(self.moves.count)
-        best = self.made_to_stand(none, _SOFT)
+        best = self.made_to_stand(_SOFT)
         grounds = [GROUND]
         if self.crossed and self.least_edge == 0.0:
             self.least_edge = KEPT * self.shortest(self.bodies.vertex)
@@ -73,22 +68,13 @@ class ShapeSearch(ShapeValues):
             if best.stands or self.late():
                 break
             self.crossed = False
-            found = self.made_to_stand(none, ground)
+            found = self.made_to_stand(ground)
             best = found if found.stands or found.value < best.value else best
         return best
 
-    def made_to_stand(self, x: Floats, ground: float) -> Changed:
-        """A shape that stands, else the one that needs least help.
-
-        Parameters
-        ----------
-        x : (p,)
-        ground
-            Its stiffness at first.
-        """
-        options = self.options
-        made = self.made(x) if x.any() else None
-        now = self.model if made is None else made
+    def made_to_stand(self, ground: float) -> Changed:
+        """A shape that stands, else that with the least help, on ground as stiff as this first."""
+        options, now, x = self.options, self.model, np.zeros(self.moves.count)
         if options.margin.stands(now):
             offer = f"{stands_already(options.margin)}, or for the least volume"
             return self.answer(x, now, 0, offer)
@@ -217,29 +203,17 @@ class ShapeSearch(ShapeValues):
             if ends:
                 words += f", with {counted(ends, 'move')} of {len(x)} as large as allowed: "
                 words += f"larger ones may help: --most above {self.moves.most.max():.3g}"
-        return self.shaped(x, model, result, (values[0], values[1]), rounds, words)
-
-    def shaped(
-        self,
-        x: Floats,
-        model: Model,
-        result: Result,
-        values: tuple[float, float],
-        rounds: int,
-        message: str,
-    ) -> Changed:
-        """The answer with a shape; ``values`` of it and of the model as given."""
         pairs = list(zip(self.model.assembly.blocks, model.assembly.blocks, strict=True))
         far = [float(lengths(new.vertices - old.vertices).max()) for old, new in pairs]
         moved = 1e3 * max(far)
-        words = f"{counted(len(x), 'variable')}: vertices moved by up to {moved:.1f} mm"
+        moved_words = f"{counted(len(x), 'variable')}: vertices moved by up to {moved:.1f} mm"
         value, first = values
         told = f"{MEASURES[self.options.aim]} {value:.4g}, {first:.4g} before"
         names = tuple(np.array(model.assembly.names)[np.array(far) > 0.0].tolist())
-        kept = (Kept("shape", names, words, value),) if x.any() else ()
+        kept = (Kept("shape", names, moved_words, value),) if x.any() else ()
         return Changed(
-            self.model, model, result, self.options.margin.meets(result), words, kept,
-            (told, message), x, value, first, rounds,
+            self.model, model, result, stands, moved_words, kept, (told, words), x, value, first,
+            rounds,
         )  # fmt: skip
 
 
@@ -294,9 +268,8 @@ class BestShapeSearch(ShapeSearch):
 
     firmest: tuple[float, Floats]
 
-    def run(self, start: Floats | None = None) -> Changed:
+    def run(self) -> Changed:
         """The best shape that stands, from that of the model as given."""
-        del start
         self.firmest = np.inf, np.zeros(self.moves.count)
         options, now, x = self.options, self.model, np.zeros(self.moves.count)
         if not options.margin.stands(now):
@@ -387,13 +360,6 @@ class BestShapeSearch(ShapeSearch):
             self.seen(place)
 
 
-FIRST, CLOSE = 1.0, 0.1
-"""[degrees] The first step of the tilt, and the smallest one; chosen."""
-
-_STEEPEST = 89.0
-"""[degrees] Largest tilt that is asked for."""
-
-
 @checked_call
 def shape(
     given: Given,
@@ -450,8 +416,7 @@ def shape(
             "the values that the family starts with are not those of the model",
             remedy="build the model with them",
         )
-    stand_only = chosen.aim in (ShapeAim.STAND, ShapeAim.TILT)
-    kind = ShapeSearch if stand_only else BestShapeSearch
+    kind = ShapeSearch if chosen.aim is ShapeAim.STAND else BestShapeSearch
     search = kind(model, variables, chosen, clock)
     shortest = search.shortest(vertex)
     if shortest < chosen.least_edge:
@@ -460,63 +425,4 @@ def shape(
             f"{chosen.least_edge:.4g} m",
             remedy=f"give a least edge of {shortest:.4g} m or less",
         )
-    return _raise_tilt(search) if chosen.aim is ShapeAim.TILT else search.run()
-
-
-def _raise_tilt(search: ShapeSearch) -> Changed:
-    """Shape a structure to stand at a tilt, then at a larger one, until no larger one is reached.
-
-    Each shape starts from the last one that stands. The step is doubled after each success, and
-    halved after each failure.
-
-    Raises
-    ------
-    InputError
-        It does not stand without a tilt.
-    """
-    x, now = np.zeros(search.moves.count), search.model
-    if not _stands(search, now, 0.0):
-        raise InputError(
-            "it does not stand as it is, at the margin that is asked for",
-            remedy="shape it to stand first",
-        )
-    first = tilt = _largest(search, now)
-    step, rounds, words = FIRST, 0, "no larger tilt was reached"
-    while step >= CLOSE:
-        if search.late():
-            words = "it was stopped"
-            break
-        wanted = min(tilt + step, _STEEPEST)
-        found = _at(search, wanted).run(x)
-        rounds += found.rounds
-        if not found.stands:
-            step *= 0.5
-            continue
-        x, now, tilt = found.x, found.model, wanted
-        if tilt == _STEEPEST:
-            words = f"stands at {_STEEPEST:g} degrees, and no more was tried"
-            break
-        step *= 2.0
-    result = replace(search.options.margin, tilt=tilt).holds(now)
-    words = f"stands tilted by {tilt:.1f} degrees, {first:.1f} before; {words}"
-    return search.shaped(x, now, result, (tilt, first), rounds, words)
-
-
-def _at(search: ShapeSearch, tilt: float) -> ShapeSearch:
-    """A search for a shape that stands at a tilt [degrees]."""
-    margin = replace(search.options.margin, tilt=tilt)
-    options = replace(search.options, aim=ShapeAim.STAND, margin=margin)
-    return ShapeSearch(search.model, search.moves, options, search.clock)
-
-
-def _stands(search: ShapeSearch, model: Model, tilt: float) -> bool:
-    return replace(search.options.margin, tilt=tilt).stands(model)
-
-
-def _largest(search: ShapeSearch, model: Model) -> float:
-    """The largest tilt [degrees] to each side at which a model stands, to :data:`CLOSE`."""
-    low, high = 0.0, FIRST
-    while high < _STEEPEST and _stands(search, model, high):
-        low, high = high, 2.0 * high
-    high = min(high, _STEEPEST)
-    return bracket(lambda tilt: not _stands(search, model, tilt), low, high, CLOSE)[0]
+    return search.run()

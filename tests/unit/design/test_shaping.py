@@ -284,30 +284,6 @@ def test_a_family_is_shaped_as_its_vertices_are() -> None:
         FamilyMoves.of(arch, {"thickness_ratio": 0.2}, {"thickness_ratio": 0.0})
 
 
-def test_the_largest_tilt_of_a_block_is_where_its_width_ends(tmp_path: Path) -> None:
-    """A column 1 m high on a base topples at atan(width / height) in x, up to 0.9 m wide."""
-
-    def column(width: float) -> Assembly:
-        foot, block = (
-            box((3.0, 3.0, 0.2), (-0.5, -0.5, -0.2)),
-            box((width, 2.0, 1.0), name="column"),
-        )
-        return Assembly((foot, block)).with_fixed([0])
-
-    moves = FamilyMoves.of(column, {"width": 0.8}, {"width": 0.1})
-    model = Model.of(column(0.8), friction=3.0)
-    found = shape(model, moves, options=ShapeOptions(aim="tilt"))
-    assert found.stands
-    assert found.first == pytest.approx(np.rad2deg(np.arctan(0.8)), abs=0.2)
-    assert found.value == pytest.approx(np.rad2deg(np.arctan(0.9)), abs=0.3)
-    path = tmp_path / "wide.json"
-    drystone.write(found.model, path)
-    again = drystone.read(path)
-    assert DesignMargin(tilt=found.value).stands(again)
-    with pytest.raises(InputError, match="contradict"):
-        ShapeOptions(aim="tilt", margin=DesignMargin(tilt=2.0))
-
-
 def test_what_stands_already_is_told_and_what_falls_is_not_made_lighter() -> None:
     model = stack(1)
     moves = block_moves(model, ["brick-1"], (1.0, 0.0, 0.0), 0.1)
