@@ -11,6 +11,7 @@ import numpy as np
 
 from drystone.base.arrays import Floats, Ints
 from drystone.base.display import first_of, rounded_up
+from drystone.base.errors import InputError
 from drystone.base.ragged import linked
 from drystone.base.settings import Clock, Stop, Workers, checked_call
 from drystone.base.workers import WorkerPool
@@ -23,7 +24,6 @@ from drystone.mechanics.increments import FEW
 from drystone.mechanics.meeting import Apart, faces_apart, followed_model, with_what_touches
 from drystone.mechanics.vertices_met import still_on_faces, vertices_met
 from drystone.model import Model
-from drystone.results import Residuals
 from drystone.settlement.path import FollowedCase, carriers_of, path_of, support_motion
 from drystone.settlement.settlement_types import (
     Outcome,
@@ -128,7 +128,8 @@ def settle(
     Raises
     ------
     InputError
-        A block that is not fixed is to be moved, or what was given cannot be made into a model.
+        No block is free, one that is not fixed is to be moved, or what was given cannot be made
+        into a model.
 
     Examples
     --------
@@ -147,6 +148,8 @@ def settle(
     clock = Clock.of(how)
     model = supported_model(given, **how)
     model.require_dry("settlement", _UNKNOWN, yielding=True)
+    if not len(model.assembly.free):
+        raise InputError("every block is fixed", remedy="leave a block free")
     moving = support_motion(model, motion)
     model = model.with_load(replace(model.load, motion=None))
     found = _carried(model, moving, chosen, clock)
@@ -196,8 +199,6 @@ def _carried(
 ) -> Settlement:
     """Where the blocks end; what falls is followed again with the vertices that meet a face."""
     began = clock.elapsed_s
-    if not len(model.assembly.free):
-        return _nothing_free(model, moving, chosen)
     apart = faces_apart(model, chosen.fall)
     falls = {} if falls is None else falls
     case = FollowedCase(model, apart, chosen, clock, moving, left_at, felt, falls, near)
@@ -338,32 +339,6 @@ def _paths(case: FollowedCase) -> tuple[SettlementPath, ...]:
             path, _ = path_of(case, *tries[0], overlap=second.overlap, other=second)
             paths = path, second
     return paths
-
-
-def _nothing_free(model: Model, moving: Floats | None, chosen: SettlementOptions) -> Settlement:
-    """Every block is a support."""
-    contacts, count = model.contacts, len(model.assembly)
-    corners = contacts.corner_count
-    positions = np.zeros((1, count, 6))
-    if moving is not None:
-        positions = np.stack([positions[0], moving])
-    path = SettlementPath(
-        Carrier.MOVING,
-        Outcome.RESTS,
-        model,
-        positions,
-        np.zeros(count),
-        np.zeros((corners, 3)),
-        contacts.point,
-        contacts.point,
-        contacts.frame[contacts.interface],
-        np.zeros(corners),
-        Residuals(),
-        0.0,
-        0,
-        0,
-    )
-    return Settlement(Outcome.RESTS, "every block is fixed", (path,), chosen, time_s={"solve": 0.0})
 
 
 def _tried(case: FollowedCase, which: tuple[Carrier, bool]) -> _Run:

@@ -158,8 +158,6 @@ def test_what_is_told_of_moved_supports() -> None:
     weight = f"{9.81 * model.assembly.mass[1]:.4g}"
     down = move_supports(model, {0: (0.0, 0.0, 0.3)})
     assert down.message.startswith(f"from -{weight} to -{weight} N; followed to 300 mm")
-    alone = settle(model.with_supports([0, 1]), {0: (1.0, 0.0, 0.0)})
-    assert alone.displacement[0, 0] == 1.0
 
 
 def test_a_plug_that_tapers_is_driven_on_stiffer_springs() -> None:

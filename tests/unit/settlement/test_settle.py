@@ -267,7 +267,8 @@ def test_a_run_that_takes_too_many_newton_steps_has_no_end(monkeypatch: pytest.M
 
 
 def test_there_may_be_nothing_to_follow() -> None:
-    assert settle(tower(2).with_fixed([0, 1])).rests
+    with pytest.raises(InputError, match="every block is fixed"):
+        settle(tower(2).with_fixed([0, 1]))
     assert settle(Model.of(tower(2), load=0.0)).rests
     apart = Assembly((box((1, 1, 1), name="a"), box((1, 1, 1), (0, 0, 5), "b"))).with_fixed(["a"])
     assert settle(apart, options=MOVING).outcome is Outcome.FALLS
