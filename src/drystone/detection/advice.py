@@ -50,10 +50,10 @@ def suggestions(report: Any) -> tuple[str, ...]:
             now = f"{getattr(options, knob):g}"
             said.append(f"raise {knob} from {now} to {_steps(needed, digits, unit)}")
     said += _for_curved_joints(report.shortfalls, options)
-    said += _for_overlaps(overlaps, set(report.duplicates), apart)
+    said += _for_overlaps(overlaps, apart)
     if report.parts:
         said.append("split separate parts into blocks (--split, drystone.repair.split_components)")
-    explained = {i for pair in (*report.undirected, *report.near_undirected) for i in pair}
+    explained = {i for pair in report.undirected for i in pair}
     explained |= {i for p in overlaps for i in (p.block_a, p.block_b)}
     explained |= {i for miss in apart for i in (miss.block_a, miss.block_b)}
     alone = {*report.isolated} - explained
@@ -92,24 +92,18 @@ def _steps(needed: dict[Pair, float], digits: int, unit: str) -> str:
     return f"{first:g}{unit} to join {counted(at_once, 'more pair')}, or to {joins}"
 
 
-def _for_overlaps(
-    overlaps: Sequence[Overlap], twice: set[Pair], apart: Sequence[Missed]
-) -> list[str]:
-    """What to do about blocks that overlap or occur twice."""
-    said = []
-    if twice:
-        pairs = counted(len(twice), "pair")
-        said.append(f"{pairs} of blocks are the same block twice: remove one of the two")
+def _for_overlaps(overlaps: Sequence[Overlap], apart: Sequence[Missed]) -> list[str]:
+    """What to do about blocks that overlap."""
     joinable = {
         (m.block_a, m.block_b)
         for m in apart
         if m.reason in (Reason.ANGLE, Reason.OVERLAP) and not np.isnan(m.needed)
     }
-    deep = {(p.block_a, p.block_b) for p in overlaps} - twice - joinable
-    if deep:
-        several = counted(len(deep), "pair of blocks overlaps", "pairs of blocks overlap")
-        said.append(f"{several}: move them apart in the model")
-    return said
+    deep = {(p.block_a, p.block_b) for p in overlaps} - joinable
+    if not deep:
+        return []
+    several = counted(len(deep), "pair of blocks overlaps", "pairs of blocks overlap")
+    return [f"{several}: move them apart in the model, or remove what is there twice"]
 
 
 def _for_curved_joints(shortfalls: Sequence[Shortfall], options: DetectionOptions) -> list[str]:

@@ -39,9 +39,6 @@ _BETWEEN = {
 }
 """What is found between two blocks, and what JSON has of each."""
 
-_PAIRS = ("undirected", "near_undirected", "duplicates")
-"""Pairs of blocks of which nothing else is known."""
-
 Pair = TypeVar("Pair", Resampled, Missed, Inexact, Shortfall, Overlap)
 """What is found between two blocks."""
 Known = TypeVar("Known", int, str)
@@ -71,15 +68,12 @@ class ContactReport(Card):
     shortfalls
         Curved joints whose area was not completely found.
     undirected
-        Pairs that meet along parallel edges or at corners, where the contact has no defined normal.
-    near_undirected
-        Pairs whose parallel edges or corners are near each other, beyond the gap.
+        Pairs that meet, or nearly meet, along parallel edges or at corners, where the contact has
+        no defined normal.
     isolated
         Blocks that touch nothing.
     overlaps
         Pairs of blocks that overlap deeper than the tolerance.
-    duplicates
-        Pairs of blocks with the same shape in the same place.
     parts
         Blocks that consist of separate parts, and the number of parts.
     repairs
@@ -95,10 +89,8 @@ class ContactReport(Card):
     inexact: tuple[Inexact, ...]
     shortfalls: tuple[Shortfall, ...]
     undirected: tuple[tuple[int, int], ...]
-    near_undirected: tuple[tuple[int, int], ...]
     isolated: tuple[int, ...]
     overlaps: tuple[Overlap, ...]
-    duplicates: tuple[tuple[int, int], ...]
     parts: tuple[tuple[int, int], ...]
     repairs: tuple[tuple[int, str], ...]
 
@@ -171,20 +163,17 @@ class ContactReport(Card):
         def of_one(rows: tuple[tuple[int, Known], ...]) -> tuple[tuple[int, Known], ...]:
             return tuple((int(new[block]), known) for block, known in rows if new[block] >= 0)
 
-        def both(pairs: tuple[tuple[int, int], ...]) -> tuple[tuple[int, int], ...]:
-            numbers = [(int(new[a]), int(new[b])) for a, b in pairs]
-            return tuple(pair for pair in numbers if min(pair) >= 0)
-
+        pairs = [(int(new[a]), int(new[b])) for a, b in self.undirected]
         touching = np.concatenate([found.block_a, found.block_b])
         alone = np.setdiff1d(np.arange(len(blocks)), touching)
         own: dict[str, Any] = {
             name: between(getattr(self, name)) for name in ("farther", *_BETWEEN)
         }
-        own |= {name: both(getattr(self, name)) for name in _PAIRS}
         return replace(
             self,
             names=tuple(self.names[b] for b in blocks),
             interfaces=found,
+            undirected=tuple(pair for pair in pairs if min(pair) >= 0),
             isolated=tuple(alone.tolist()),
             parts=of_one(self.parts),
             repairs=of_one(self.repairs),
@@ -238,14 +227,8 @@ class ContactReport(Card):
         if self.undirected:
             shown = [f"{self.names[a]}-{self.names[b]}" for a, b in self.undirected]
             lines.append(
-                f"{counted(len(shown), 'pair')} not joined, edge meets edge or corner meets corner"
-                f" and the contact has no defined normal: {named(shown, SHOWN)}"
-            )
-        if self.near_undirected:
-            shown = [f"{self.names[a]}-{self.names[b]}" for a, b in self.near_undirected]
-            lines.append(
-                f"{counted(len(shown), 'pair')} not joined, edge near edge or corner near corner:"
-                f" {named(shown, SHOWN)}"
+                f"{counted(len(shown), 'pair')} not joined, edge at edge or corner at corner, where"
+                f" the contact has no defined normal: {named(shown, SHOWN)}"
             )
         if self.isolated:
             lines.append(
@@ -254,13 +237,6 @@ class ContactReport(Card):
                 f" {named([self.names[i] for i in self.isolated], SHOWN)}"
             )
         lines += overlap_lines(self.names, self.overlaps_left)
-        lines += first_of(
-            [
-                f"blocks '{self.names[a]}' and '{self.names[b]}' are the same block twice"
-                for a, b in self.duplicates
-            ],
-            most=SHOWN,
-        )
         lines += first_of(
             [f"block '{self.names[i]}' consists of {n} separate parts" for i, n in self.parts],
             most=SHOWN,
@@ -355,8 +331,8 @@ class ContactReport(Card):
                 "needed": None if np.isnan(miss.needed) else miss.needed,
                 "polygon": miss.polygon.tolist(),
             }
-        told |= {key: [[name[a], name[b]] for a, b in getattr(self, key)] for key in _PAIRS}
         return told | {
+            "undirected": [[name[a], name[b]] for a, b in self.undirected],
             "isolated": [name[i] for i in self.isolated],
             "parts": [{"block": name[i], "count": count} for i, count in self.parts],
             "repairs": [{"block": name[i], "what": what} for i, what in self.repairs],

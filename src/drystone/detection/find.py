@@ -9,7 +9,7 @@ import numpy as np
 
 from drystone.assembly import Assembly
 from drystone.assembly.block import require_sound
-from drystone.base.arrays import SAME, Ints
+from drystone.base.arrays import Ints
 from drystone.base.display import Card
 from drystone.base.settings import checked_call
 from drystone.contacts import DEFAULT_FRICTION, Contacts, check_friction
@@ -23,7 +23,6 @@ from drystone.detection.misses import Shortfall, edge_misses, face_contacts, sho
 from drystone.detection.patches import Patches, patches_of
 from drystone.detection.resample import Resampled, resample
 from drystone.detection.tolerances import DetectionOptions, EdgeContacts, Missed
-from drystone.geometry.coincidence import duplicates
 from drystone.geometry.soup import separate_parts
 
 
@@ -118,15 +117,14 @@ def find_contacts(
     named |= {(pair.block_a, pair.block_b) for pair in joining.inexact}
     facing = [m.block_a * len(assembly) + m.block_b for m in missed]
     beyond, open_ones = edge_misses(assembly, patches, _less(near, named), facing, options)
+    undirected = np.concatenate([undirected, open_ones])
     joining = replace(joining, missed=[*joining.missed, *beyond])
     short = shortfalls(patches, compared, joining.found, options)
     found, fewer = resample(joining.found, options.curve)
     joining = replace(joining, found=found)
     return Detection(
         found.contacts(patches.origin, friction),
-        _report(
-            assembly, patches, pairs, joining, fewer, deep, short, undirected, open_ones, options
-        ),
+        _report(assembly, patches, joining, fewer, deep, short, undirected, options),
     )
 
 
@@ -157,13 +155,11 @@ def _less(pairs: Pairs, known: set[tuple[int, int]]) -> Pairs:
 def _report(
     assembly: Assembly,
     patches: Patches,
-    pairs: Pairs,
     joining: Joined,
     fewer: tuple[Resampled, ...],
     deep: tuple[Overlap, ...],
     short: tuple[Shortfall, ...],
     undirected: Ints,
-    near_undirected: Ints,
     options: DetectionOptions,
 ) -> ContactReport:
     found = joining.found
@@ -183,10 +179,8 @@ def _report(
         inexact=joining.inexact,
         shortfalls=short,
         undirected=tuple((a, b) for a, b in undirected.tolist()),
-        near_undirected=tuple((a, b) for a, b in near_undirected.tolist()),
         isolated=tuple(np.flatnonzero(~touched).tolist()),
         overlaps=deep,
-        duplicates=_duplicates(assembly, patches, pairs),
         parts=_parts(assembly, patches),
         repairs=tuple(
             (i, what) for i, block in enumerate(assembly.blocks) for what in block.repairs
@@ -241,14 +235,3 @@ def _parts(assembly: Assembly, patches: Patches) -> tuple[tuple[int, int], ...]:
         block = assembly.blocks[i]
         counts.append((i, len(separate_parts(block.vertices, block.faces)[0])))
     return tuple((i, count) for i, count in counts if count > 1)
-
-
-def _duplicates(assembly: Assembly, patches: Patches, pairs: Pairs) -> tuple[tuple[int, int], ...]:
-    """Pairs of blocks with the same vertices; only blocks with the same box are compared."""
-    a, b = pairs
-    low, high = patches.boxes
-    apart = np.maximum(np.abs(low[a] - low[b]), np.abs(high[a] - high[b])).max(axis=1)
-    alike = apart <= SAME * patches.size[a]
-    blocks = np.unique(np.concatenate([a[alike], b[alike]])).tolist()
-    twins = duplicates([assembly.blocks[i].vertices for i in blocks], SAME)
-    return tuple((blocks[i], blocks[j]) for i, j in twins)

@@ -70,8 +70,8 @@ def test_summary_of_many_faults_stays_short() -> None:
 def test_block_that_is_there_twice_is_named() -> None:
     cube = box((1.0, 1.0, 1.0))
     report = find_contacts(Assembly((SLAB, cube, cube.renamed("again")))).report
-    assert report.duplicates == ((1, 2),)
-    assert any("the same block twice" in line for line in report.summary())
+    (overlap,) = report.overlaps
+    assert (overlap.block_a, overlap.block_b, overlap.share) == (1, 2, pytest.approx(1.0))
 
 
 def test_report_is_json_and_complete() -> None:
@@ -131,7 +131,7 @@ def test_blocks_near_each_other_with_parallel_edges_are_not_called_far() -> None
     one = box((1.0, 1.0, 1.0), name="one")
     other = box((1.0, 1.0, 1.0), (1.01, 0.0, 1.01), "other")
     report = find_contacts(Assembly((one, other))).report
-    assert report.near_undirected == ((0, 1),)
+    assert report.undirected == ((0, 1),)
     assert not any("nothing is near" in text for text in report.suggestions())
 
 
@@ -145,10 +145,10 @@ def test_first_step_is_suggested_as_well_as_the_last() -> None:
     )
 
 
-def test_one_block_twice_is_to_be_removed_not_moved() -> None:
+def test_one_block_twice_is_to_be_removed_or_moved() -> None:
     twin = replace_block(SLAB, name="twin")
     assert find_contacts(Assembly((SLAB, twin))).report.suggestions() == (
-        "1 pair of blocks are the same block twice: remove one of the two",
+        "1 pair of blocks overlaps: move them apart in the model, or remove what is there twice",
     )
 
 
