@@ -264,26 +264,17 @@ def param_of(name: str, hint: Any, default: Any) -> click.Parameter:
     plain, told = get_args(hint)[:2]
     left_out = {"required": True} if default is MISSING else {"required": False, "default": default}
     if isinstance(told, Argument):
-        more = {"nargs": -1, "required": True} if told.several else left_out
-        return HelpedArgument([name], told.help, metavar=told.metavar, type=told.kind, **more)
+        count = {"nargs": -1, "required": True} if told.several else left_out
+        return HelpedArgument([name], told.help, metavar=told.metavar, type=told.kind, **count)
     several = get_origin(plain) is tuple
     base = next(part for part in (*get_args(plain), plain) if part is not type(None))
     flags = told.flags or (f"--{name.replace('_', '-')}",)
     names = [*flags, name]
+    more = {"type": told.kind or _KINDS.get(base, kinds.TEXT), "metavar": told.metavar,
+            "multiple": several, **({} if several else left_out)}  # fmt: skip
     if base is bool:
-        return GroupedOption(
-            names, group=told.group, expert=told.expert, help=told.help, is_flag=True, default=False
-        )
-    return GroupedOption(
-        names,
-        group=told.group,
-        expert=told.expert,
-        help=told.help,
-        type=told.kind or _KINDS.get(base, kinds.TEXT),
-        metavar=told.metavar,
-        multiple=several,
-        **({} if several else left_out),
-    )
+        more = {"is_flag": True, "default": False}
+    return GroupedOption(names, group=told.group, expert=told.expert, help=told.help, **more)
 
 
 Friction: TypeAlias = Annotated[

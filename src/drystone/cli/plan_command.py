@@ -337,11 +337,6 @@ def plan(
         Option("One block before another; several times.", expert=True,
                kind=kinds.OptionKind("FIRST:THEN", _pair)),
     ] = (),
-    reach: Annotated[
-        tuple[list[str], ...],
-        Option("Blocks placed before any of the next --reach; separated by commas.",
-               kind=kinds.OptionKind("NAMES", _names), expert=True),
-    ] = (),
     turns: Annotated[
         bool, Option("Each robot or hand holds its block until the next one is in place, and "
                      "nothing is propped. Needs two or more, searches for no order: tries that of "
@@ -380,14 +375,14 @@ def plan(
     are known to be placed last.
     """
     refuse_unused(chosen.scaffold_options, chosen.scaffold)
-    others = chosen.scaffold, margins, sweep, best, before, reach, wanted.work, wanted.instructions
+    others = chosen.scaffold, margins, sweep, best, before, wanted.work, wanted.instructions
     if turns and any(others):
         raise InputError(
-            "takes no --scaffold, --margins, --sweep, --best, --before, --reach, --work, --print",
+            "takes no --scaffold, --margins, --sweep, --best, --before, --work, --print",
             where="--turns",
             remedy="leave these out; --json has the holds",
         )
-    chosen = _with_rules(chosen, order, before, reach, robot)
+    chosen = _with_rules(chosen, order, before, robot)
     chosen = replace(chosen, patience=float("inf") if best else None, anyway=subject.anyway)
     waiting.checkpoint = checkpoint
     model = subject.prepared(waiting)
@@ -474,7 +469,6 @@ def _with_rules(
     chosen: PlanOptions,
     order: str,
     before: tuple[tuple[str, str], ...],
-    reach: tuple[list[str], ...],
     robots: tuple[Robot, ...],
 ) -> PlanOptions:
     from drystone.sequence import Order, Rules
@@ -487,7 +481,6 @@ def _with_rules(
         rules,
         hands=len(robots) or rules.hands,
         before=list(before),
-        reach=list(reach),
         order=tried if tried is not None else _names(order),
         robots=robots,
     )

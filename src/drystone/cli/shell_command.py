@@ -290,7 +290,6 @@ def thickness(
         str, Argument("FAMILY", "A parametric model.", kinds.one_of(SEARCHED, "there is no '{}'"))
     ],
     set: families.Settings = (),
-    parameter: Annotated[str | None, Option("Search another parameter than the thickness.")] = None,
     thick: Annotated[
         float | None,
         Option(
@@ -314,11 +313,6 @@ def thickness(
     """The least thickness at which a parametric model stands."""
     name, unit, (first, last) = SEARCHED[family]
     build, known = families.family(family)
-    if parameter is not None and parameter != name:
-        if thick is None or thin is None:
-            raise InputError("needs a range", where="--parameter", remedy="give --from and --to")
-        families.refuse_unknown(parameter, known, "--parameter")
-        name, unit = parameter, ""
     fixed = dict(families.setting(text, known) for text in set)
     if name in fixed:
         raise InputError(f"'{name}' is what is searched", where="--set", remedy="leave it out")

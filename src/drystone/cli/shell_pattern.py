@@ -17,15 +17,6 @@ if TYPE_CHECKING:
     from drystone.shells import Layout, Shape, ShellBody
 
 
-def _count_or_auto(text: str) -> int | None:
-    if text == "auto":
-        return None
-    try:
-        return int(text)
-    except ValueError as error:
-        raise InputError(f"is '{text}'", remedy="give a number or auto") from error
-
-
 def _wedges(text: str) -> tuple[float, ...]:
     try:
         found = tuple(float(part) for part in text.split(","))
@@ -48,9 +39,6 @@ class ShellPattern:
             shown=("courses", "blocks", "width"),
         ),
     ]
-    course_height: Annotated[
-        float | None, Option("Of the courses, in m, in place of their number.", expert=True)
-    ] = None
     wedge: Annotated[
         tuple[float, ...] | None,
         Option(
@@ -63,8 +51,8 @@ class ShellPattern:
 
     @property
     def any_courses(self) -> bool:
-        """Whether neither the number nor the height of courses is given."""
-        return "courses" not in self.blocks.given and self.course_height is None
+        """Whether the number of courses is not given."""
+        return "courses" not in self.blocks.given
 
     @property
     def any_width(self) -> bool:
@@ -78,13 +66,10 @@ class ShellPattern:
 
     def refuse_two_ways(self) -> None:
         """Raise InputError where two options say the same thing."""
-        given = {*self.blocks.given, *(() if self.course_height is None else ("height",))}
-        for two, names in (
-            ({"courses", "height"}, "--courses and --course-height"),
-            ({"blocks", "width"}, "--blocks and --width"),
-        ):
-            if two <= given:
-                raise InputError("say the same thing", where=names, remedy="give one of them")
+        if {"blocks", "width"} <= {*self.blocks.given}:
+            raise InputError(
+                "say the same thing", where="--blocks and --width", remedy="give one of them"
+            )
 
     def layout(self, width: float, courses: int) -> Layout:
         """The division, with the width of blocks [m] and the courses where none are given."""
@@ -93,8 +78,7 @@ class ShellPattern:
         wedge, given = self.wedge, self.blocks.given
         shift = wedge[0] if wedge is not None and len(wedge) == 1 else wedge
         return Layout(
-            courses=courses if self.any_courses else given.get("courses"),
-            height=self.course_height,
+            courses=given.get("courses", courses),
             blocks=given.get("blocks"),
             width=width if self.any_width else given.get("width"),
             wedge=0.0 if wedge is None and not self.straight else shift,
@@ -124,7 +108,7 @@ def _layouts_to_try(layout: Layout, pattern: ShellPattern) -> list[Layout]:
     for share in _COURSES if pattern.any_courses else (1.0,):
         for width in _WIDTHS if pattern.any_width else (1.0,):
             one = layout
-            if pattern.any_courses and layout.courses is not None:
+            if layout.courses is not None:
                 one = replace(one, courses=round(share * layout.courses))
             if pattern.any_width and layout.width is not None:
                 one = replace(one, width=width * layout.width)

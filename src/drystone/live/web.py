@@ -122,34 +122,11 @@ VERSION = "v1"
 TASKS = ("limit", "mends", "apply", "plan", "cut", "recut", "cases", "save")
 
 
-@dataclass(frozen=True)
-class Sent:
-    """A wish of a window, as plain values that were looked at.
+def sent(body: bytes) -> dict[str, Any]:
+    """A wish of a window, as plain values that were looked at: arguments of :meth:`Desk.task`.
 
-    Attributes
-    ----------
-    window
-    number
-        The window counts its wishes.
-    model
-        Number of the model that it shows.
-    wish
-    task
-        Empty where a verdict is asked for.
-    extra
-        What the task is told.
-    """
-
-    window: str
-    number: int
-    model: int
-    wish: dict[str, Any]
-    task: str
-    extra: dict[str, Any]
-
-
-def sent(body: bytes) -> Sent:
-    """What the body of a request says.
+    ``number`` counts the wishes of the window, ``model`` is that of what it shows, ``task`` is
+    empty where a verdict is asked for, and ``extra`` is what the task is told.
 
     Raises
     ------
@@ -163,14 +140,14 @@ def sent(body: bytes) -> Sent:
     task = top.get("task", "").text()
     if task and task not in TASKS:
         raise top["task"].error(f"there is no task '{task[:40]}'", f"there are {', '.join(TASKS)}")
-    return Sent(
-        top["window"].text(),
-        top.get("number", 0).integer(),
-        top.get("model", 0).integer(),
-        wish.value,
-        task,
-        top.get("extra", {}).object().value,
-    )
+    return {
+        "window": top["window"].text(),
+        "number": top.get("number", 0).integer(),
+        "model": top.get("model", 0).integer(),
+        "wish": wish.value,
+        "task": task,
+        "extra": top.get("extra", {}).object().value,
+    }
 
 
 _CONNECTIONS = 64
@@ -347,17 +324,17 @@ class _Handler(BaseHTTPRequestHandler):
             raise _nothing()
         asked = sent(self._body(WISH))
         if path == "/live/wish":
-            desk.wish(asked.window, asked.number, asked.model, asked.wish)
+            desk.wish(*(asked[key] for key in ("window", "number", "model", "wish")))
         elif path == "/live/task":
-            desk.task(asked.window, asked.number, asked.model, asked.task, asked.wish, asked.extra)
+            desk.task(**asked)
         elif path == "/live/end":
-            desk.end(asked.window)
+            desk.end(asked["window"])
         elif path == "/live/python":
             self._send_json(200, self._lines(asked))
             return
         else:
             raise _nothing()
-        self._send_json(202, {"number": asked.number})
+        self._send_json(202, {"number": asked["number"]})
 
     def _kept(self, number: int) -> Any:
         """A model that the page knows by its number."""
@@ -366,12 +343,12 @@ class _Handler(BaseHTTPRequestHandler):
             raise Refusal(404, "there is no such model any more", "load the page again")
         return kept
 
-    def _lines(self, asked: Sent) -> dict[str, Any]:
-        desk, kept = self.server.desk, self._kept(asked.model)
-        lines = python_lines(desk.file.name, desk.how, asked.wish, kept.facts)
-        if asked.extra.get("saved"):  # a model with everything in it that the page shows
-            whole = python_lines(str(asked.extra["saved"]), {}, {}, {**kept.facts, "moves": bool(
-                asked.wish.get("moves"))})  # fmt: skip
+    def _lines(self, asked: Mapping[str, Any]) -> dict[str, Any]:
+        desk, kept, wish = self.server.desk, self._kept(asked["model"]), asked["wish"]
+        lines = python_lines(desk.file.name, desk.how, wish, kept.facts)
+        if saved := asked["extra"].get("saved"):  # a model with everything that the page shows
+            facts = {**kept.facts, "moves": bool(wish.get("moves"))}
+            whole = python_lines(str(saved), {}, {}, facts)
             lines["python"] = whole["python"]
         return lines
 

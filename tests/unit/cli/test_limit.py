@@ -234,7 +234,6 @@ def test_check_writes_the_forces_of_corners(model: str, tmp_path: Path, capsys: 
         (["limit", "thickness", "arch", "--set", "voussoirs=x"], "not a whole number"),
         (["limit", "thickness", "arch", "--set", "colour=1"], "no parameter 'colour'"),
         (["limit", "thickness", "arch", "--set", "thickness_ratio=1"], "what is searched"),
-        (["limit", "thickness", "arch", "--parameter", "radius"], "--from and --to"),
         (["limit", "imperfections", "MODEL"], "nothing is imperfect"),
         (
             ["limit", "imperfections", "MODEL", "--friction-range", "1"],

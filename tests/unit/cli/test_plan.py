@@ -32,7 +32,7 @@ def test_a_stack_needs_no_help(stack, capsys):
     assert [step["verdict"] for step in data["steps"]] == ["stable"] * 3
 
 
-def test_groups_within_reach_come_one_after_the_other(tmp_path, capsys):
+def test_a_block_is_placed_before_another_one(tmp_path, capsys):
     path = tmp_path / "three.json"
     blocks = tuple(
         box((1.0, 1.0, 1.0), (1.5 * i, 0.0, z), f"{name} {i}")
@@ -40,9 +40,9 @@ def test_groups_within_reach_come_one_after_the_other(tmp_path, capsys):
         for i in range(3)
     )
     io.write(Assembly(blocks, np.arange(6) < 3), path)
-    code, data = answer(capsys, "plan", str(path), "--reach", "top 1", "--reach", "top 2,top 0")
+    code, data = answer(capsys, "plan", str(path), "--before", "top 1:top 0")
     assert code == 0
-    assert data["order"][0] == "top 1"
+    assert data["order"].index("top 1") < data["order"].index("top 0")
     assert data["notes"][-1] == f"this order: --order '{','.join(data['order'])}'"  # for a shell
 
 
