@@ -44,7 +44,7 @@ from benchmarks.fuzz import (
     _swap,
 )
 from drystone.base.errors import InputError
-from drystone.cli.surfaces import SurfaceRequest, surface_of
+from drystone.cli.shell_request import SurfaceRequest, surface_of
 from drystone.design import Parameter, TuneOptions, tune
 from drystone.limits import limit_train
 from drystone.loads import Fill, Train

@@ -14,8 +14,7 @@ from drystone.cli.check_command import safe, solve
 from drystone.cli.command import command
 from drystone.cli.model_input import HOW
 from drystone.cli.offered import MODEL, OUTPUT, Analysis, Argument, Of, Option, writes
-from drystone.cli.shell_pattern import ShellPattern, find_buildable
-from drystone.cli.surfaces import SurfaceRequest, surface_of
+from drystone.cli.shell_request import ShellPattern, SurfaceRequest, find_buildable, surface_of
 from drystone.cli.told import Pictures, Told, apart
 from drystone.cli.waiting import Waiting
 

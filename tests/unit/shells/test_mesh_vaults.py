@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 from drystone import InputError
 from drystone.base.arrays import Floats
 from drystone.cli import main
-from drystone.cli.surfaces import SurfaceRequest, surface_of
+from drystone.cli.shell_request import SurfaceRequest, surface_of
 from drystone.shells import (
     Ground,
     Layout,

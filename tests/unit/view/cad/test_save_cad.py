@@ -16,9 +16,9 @@ from drystone.io import rhino
 from drystone.models import arch, shelf
 from drystone.results import Result
 from drystone.view import MarkerShape, drawn_parts
+from drystone.view.cad_pictures import save_cad
 from drystone.view.drawn_parts import matrix_of, quaternions
 from drystone.view.palette import ramp_colours
-from drystone.view.save_cad import save_cad
 
 
 @pytest.fixture(scope="module")
