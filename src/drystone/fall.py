@@ -44,6 +44,8 @@ _CONTACT = 0.01
 STILL, FOR = 0.03, 0.5
 """[m/s] and [s] at the scale of the simulation: slower for so long, everything lies. Before a
 first motion has led to a fall, blocks may only be slow: a wedge in its groove needs 2 s."""
+RATE = 12.0
+"""Frames in the time in which a block of 1 m falls freely by half its size."""
 _UNIT_TIME = 1.0 / np.sqrt(STANDARD_GRAVITY)
 """[s], in which a block of 1 m falls freely by half its size at 9.81 m/s2."""
 
@@ -116,8 +118,8 @@ def fall(
     data.xfrc_applied[1:] = np.where(model.assembly.fixed[:, None], 0.0, push)
     if motion is not None:
         _give_speed(simulator, data, motion, model.assembly, length, chosen.nudge)
-    every = max(round(_UNIT_TIME / chosen.rate / STEP), 1)
-    last = int(np.ceil(chosen.duration * chosen.rate))
+    every = max(round(_UNIT_TIME / RATE / STEP), 1)
+    last = int(np.ceil(chosen.duration * RATE))
     quiet, lies, fallen = 0.0, False, motion is None or not np.any(motion[free])
     size = np.cbrt(scaled.assembly.volume)
     mujoco.mj_forward(simulator, data)
@@ -295,8 +297,6 @@ class FallOptions(Options):
     duration : > 0, < inf
         Largest length of the film, by the time in which a block falls freely by half its size:
         0.32 s for blocks of 1 m, 0.1 s for blocks of 0.1 m.
-    rate : > 0, < inf
-        Frames in that time.
     ground
         A plane below the lowest point, on which blocks come to lie.
     nudge : >= 0, < inf
@@ -304,7 +304,6 @@ class FallOptions(Options):
     """
 
     duration: float = 20.0
-    rate: float = 12.0
     ground: bool = True
     nudge: float = 0.02
 

@@ -22,9 +22,9 @@ from drystone.answer import Answer, Role, Scene, Sentence
 from drystone.answer.drawing import bare_scene
 from drystone.assembly import Assembly, Block
 from drystone.assembly.block import require_sound
-from drystone.base.arrays import ROUNDING, Bools, Floats, Ints, dot, frozen, unit
+from drystone.base.arrays import ROUNDING, Bools, Floats, dot, frozen, unit
 from drystone.base.errors import InputError, counted
-from drystone.base.ragged import linked
+from drystone.base.ragged import linked, sum_by_owner
 from drystone.base.settings import checked_call
 from drystone.base.table import Table
 from drystone.geometry.solid import solid_angles
@@ -179,83 +179,63 @@ def find_poses(
 def _found(block: Block, origin: Origin) -> Poses:
     require_sound([block])
     point = block.vertices - block.centroid
-    facets = _Facets.of(point)
-    share, stands, foot = facets.shares()
+    normal, height, share, stands, foot = _facets(point)
     kept = np.flatnonzero(stands)
     kept = kept[np.argsort(-share[kept].round(9), kind="stable")]
     pose = np.tile(np.eye(4), (len(kept), 1, 1))
     down = np.array([[0.0, 0.0, -1.0]])
     for i, facet in enumerate(kept.tolist()):
-        turn = Rotation.align_vectors(down, facets.normal[facet][None])[0].as_matrix()
+        turn = Rotation.align_vectors(down, normal[facet][None])[0].as_matrix()
         pose[i, :3, :3] = turn
-        pose[i, :3, 3] = np.array([0.0, 0.0, facets.height[facet]]) - turn @ block.centroid
-    tilt = np.rad2deg(np.arctan2(foot[kept], facets.height[kept]))
-    height, share = facets.height[kept], share[kept]
+        pose[i, :3, 3] = np.array([0.0, 0.0, height[facet]]) - turn @ block.centroid
+    tilt = np.rad2deg(np.arctan2(foot[kept], height[kept]))
+    height, share = height[kept], share[kept]
     return Poses(block, frozen(pose), frozen(share), frozen(tilt), frozen(height), origin)
 
 
-@dataclass(frozen=True, eq=False)
-class _Facets:
-    """Facets of a convex hull about its centroid, and the edges between them.
+def _facets(point: Floats) -> tuple[Floats, Floats, Floats, Bools, Floats]:
+    """Facets of the convex hull of points (p, 3) about their origin, the centroid.
 
-    Attributes
-    ----------
+    Returns
+    -------
     normal : (f, 3) unit, outward
     height : (f,) [m]
         Of the centroid above each.
-    angle : (f,) [sr]
-        As seen from the centroid.
-    home, beyond : (e,)
-        Facet of each edge, and the one across it.
-    inside : (e,) [m]
-        From the edge to the foot of the centroid, into the facet of the edge.
+    share : (f,)
+        Probability that it ends there.
+    stands : (f,)
+    foot : (f,) [m]
+        How far inside the foot of the centroid is.
     """
-
-    normal: Floats
-    height: Floats
-    angle: Floats
-    home: Ints
-    beyond: Ints
-    inside: Floats
-
-    @classmethod
-    def of(cls, point: Floats) -> _Facets:
-        """Those of points (p, 3), the centroid at their origin."""
-        hull = ConvexHull(point)
-        normal, plane = hull.equations[:, :3], -hull.equations[:, 3]
-        near = hull.neighbors.astype(np.intp)
-        row = np.repeat(np.arange(len(near)), 3)
-        same = dot(normal[row], normal[near.ravel()]) > 1.0 - ROUNDING
-        group = linked(row[same], near.ravel()[same], len(near))
-        count = int(group.max()) + 1
-        corner = point[hull.simplices]
-        double = np.linalg.norm(
-            np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]), axis=1
-        )
-        mean = np.zeros((count, 3))
-        np.add.at(mean, group, normal * double[:, None])
-        mean = unit(mean)[0]
-        height = np.full(count, -np.inf)
-        np.maximum.at(height, group, plane)
-        angle = np.zeros(count)
-        np.add.at(angle, group, np.abs(solid_angles(np.zeros(3), corner)))
-        # the neighbour k of a simplex lies across the edge opposite to its corner k
-        side, k = np.nonzero(group[near] != group[:, None])
-        start, end = corner[side, (k + 1) % 3], corner[side, (k + 2) % 3]
-        home = group[side]
-        across = unit(np.cross(end - start, mean[home]))[0]
-        outward = np.sign(dot(across, start - corner[side, k]))[:, None] * across
-        inside = dot(start - height[home, None] * mean[home], outward)
-        return cls(mean, height, angle, home, group[near[side, k]], inside)
-
-    def shares(self) -> tuple[Floats, Bools, Floats]:
-        """Share (f,), whether the body stands on each (f,), and how far inside the foot is [m]."""
-        order = np.lexsort((self.inside, self.home))
-        first = order[np.unique(self.home[order], return_index=True)[1]]
-        foot, target = self.inside[first], self.beyond[first]
-        stands = (foot > 0.0) | (self.height[target] >= self.height)
-        share = self.angle / self.angle.sum()
-        for facet in np.argsort(-self.height).tolist():  # it rolls to lower ones only
-            if not stands[facet]:
-                share[target[facet]] += share[facet]
-        return np.where(stands, share, 0.0), stands, np.maximum(foot, 0.0)
+    hull = ConvexHull(point)
+    normal, plane = hull.equations[:, :3], -hull.equations[:, 3]
+    near = hull.neighbors.astype(np.intp)
+    row = np.repeat(np.arange(len(near)), 3)
+    same = dot(normal[row], normal[near.ravel()]) > 1.0 - ROUNDING
+    group = linked(row[same], near.ravel()[same], len(near))
+    count = int(group.max()) + 1
+    corner = point[hull.simplices]
+    double = np.linalg.norm(
+        np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]), axis=1
+    )
+    mean = unit(sum_by_owner(normal * double[:, None], group, count))[0]
+    height = np.full(count, -np.inf)
+    np.maximum.at(height, group, plane)
+    angle = np.bincount(group, np.abs(solid_angles(np.zeros(3), corner)))
+    # the neighbour k of a simplex lies across the edge opposite to its corner k
+    side, k = np.nonzero(group[near] != group[:, None])
+    start, end = corner[side, (k + 1) % 3], corner[side, (k + 2) % 3]
+    home = group[side]
+    across = unit(np.cross(end - start, mean[home]))[0]
+    outward = np.sign(dot(across, start - corner[side, k]))[:, None] * across
+    inside = dot(start - height[home, None] * mean[home], outward)
+    beyond = group[near[side, k]]
+    order = np.lexsort((inside, home))
+    first = order[np.unique(home[order], return_index=True)[1]]
+    foot, target = inside[first], beyond[first]
+    stands = (foot > 0.0) | (height[target] >= height)
+    share = angle / angle.sum()
+    for facet in np.argsort(-height).tolist():  # it rolls to lower ones only
+        if not stands[facet]:
+            share[target[facet]] += share[facet]
+    return mean, height, np.where(stands, share, 0.0), stands, np.maximum(foot, 0.0)

@@ -14,7 +14,7 @@ from drystone.base.settings import Stop
 from drystone.design.margin import LARGE_REGION, QUICK
 from drystone.formulations.corner_forces import FrictionCone, add_contact_rows, add_corner_forces
 from drystone.model import Model
-from drystone.programs import PenaltyOptions, solve_cra_penalty, solve_rbe
+from drystone.programs import solve_cra_penalty, solve_rbe
 from drystone.programs.cra import glued_state
 from drystone.programs.rbe import BALANCE_TOLERANCE
 from drystone.results import Result
@@ -22,9 +22,6 @@ from drystone.solvers.program import ConicStatus, ProgramBuilder
 from drystone.solvers.threads import one_blas_thread
 from drystone.stability import check
 from drystone.stability.problem import FALLING_SHARE, Problem
-
-_AS_IT_LIES = PenaltyOptions(settle=False)
-"""Joints are as stiff as they are: what shims could hold needs help all the same."""
 
 _UNIQUE = 1e-8
 """Cost of the forces of the joints, by that of the wrenches: of many that balance the load it takes
@@ -98,7 +95,7 @@ def with_wrenches(answer: Result, stop: Callable[[], bool], left_s: float = np.i
         return answer
     model = answer.model
     if model.contacts.plain.all():
-        some = solve_cra_penalty(model, options=_AS_IT_LIES, stop=stop, time_limit_s=left_s)
+        some = solve_cra_penalty(model, stop=stop, time_limit_s=left_s)
         if some.stable or some.prop is None:
             return answer
         return replace(answer, prop=some.prop, force_with_props=some.force, falling=some.falling)
@@ -163,7 +160,7 @@ def solve_alone(local: Model, stop: Callable[[], bool]) -> Result:
     """
     large = local.assembly.free.size > LARGE_REGION
     if local.contacts.plain.all() and not large:
-        return solve_cra_penalty(local, options=_AS_IT_LIES, stop=stop)
+        return solve_cra_penalty(local, stop=stop)
     answer = check(local, options=QUICK, stop=stop)
     if answer.stable or stop():
         return answer

@@ -165,10 +165,6 @@ def edge_contacts(
         Pairs that meet only along parallel edges or at corners, where the contact has no defined
         normal.
     """
-    if len(pairs[0]) == 0:
-        none, nowhere = np.zeros(0, dtype=np.intp), np.zeros((0, 3))
-        nothing = _Touches(none, np.zeros((0, 2, 3)), none > 0, nowhere, none, none, np.zeros(0))
-        return _interfaces(patches, pairs, nothing), np.zeros((0, 2), dtype=np.intp)
     search = _EdgeSearch(assembly, patches, pairs, reach, options)
     on_faces, meets = search.on_faces()
     touched = marked(on_faces.pair, len(pairs[0]))

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 
 from drystone.assembly import Assembly, Block
 from drystone.base.arrays import Floats
+from drystone.geometry.frames import rotation_about
 from drystone.models.simple import box, prism, require, sections, shell_faces, welded
 
 
@@ -133,9 +134,8 @@ def lune(
     ground = box((2.0 * reach, 2.0 * reach, depth), (-0.5 * reach, -reach, -depth), "ground")
     plane = [(0.0, 0.0), (reach, 0.0), (reach, reach), (0.0, reach)]
     walls = []
-    for name, y, turn in (("left", (-depth, 0.0), -half), ("right", (0.0, depth), half)):
-        cos, sin = np.cos(turn), np.sin(turn)
-        rotation = [[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]]
+    for name, y, turn in (("left", (-depth, 0.0), -angle), ("right", (0.0, depth), angle)):
+        rotation = rotation_about(np.array([0.0, 0.0, 1.0]), 0.5 * turn)
         walls.append(prism(plane, y, f"wall-{name}").transformed(rotation))
     return Assembly((ground, *walls, *blocks), np.arange(3 + rings) < 3)
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from drystone.assembly import Assembly
 from drystone.base.arrays import Floats
+from drystone.geometry.frames import rotation_about
 from drystone.models.simple import box, of_boxes, prism, require, sections, welded
 
 
@@ -113,10 +114,7 @@ def bayonet(locked_deg: float = 90.0) -> Assembly:
         ((-1.8, -0.4, 0.0), (1.8, 0.4, under)),
         ((-0.35, -0.35, under), (0.35, 0.35, 1.4)),
     )
-    turn = np.deg2rad(locked_deg)
-    about = np.array(
-        [[np.cos(turn), -np.sin(turn), 0.0], [np.sin(turn), np.cos(turn), 0.0], [0.0, 0.0, 1.0]]
-    )
+    about = rotation_about(np.array([0.0, 0.0, 1.0]), locked_deg)
     peg = of_boxes("peg", crossbar, shaft).transformed(about)
     return Assembly((socket, *plates, peg), np.array([True, True, True, False]))
 

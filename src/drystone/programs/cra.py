@@ -33,6 +33,9 @@ LOADED = 1e-7
 BEGUN = RestOptions(ground=1e-8, tolerance=1e-8, polish=1e-7)
 """The path of equal overlaps starts best from a state that the relaxed law led to."""
 
+SLIPS = (1.0, 10.0, 0.1)
+"""Slip lengths of the friction law, by the local overlap, tried one after another."""
+
 HANGS = 0.1
 """Share of a block's load on the ground from which on no path is followed."""
 
@@ -48,13 +51,10 @@ class CRAOptions(Options):
     slide_limit : >= 0
         eta / eps: largest motion d of a corner by the overlap. The source uses 10 to 1000; a fine
         mesh needs more than a coarse one.
-    slips : > 0, < inf
-        Slip lengths of the friction law, by the local overlap, tried one after another.
     """
 
     tolerance: float = 1e-6
     slide_limit: float = 1000.0
-    slips: tuple[float, ...] = (1.0, 10.0, 0.1)
 
 
 @checked_call
@@ -95,8 +95,8 @@ def solve_cra(given: Given, *, options: CRAOptions | None = None, **how: Unpack[
         "coupled rigid-block analysis", "eq. 5.6 is for joints that only press and rub"
     )
     best: Result | None = None
-    for slip in chosen.slips if problem.statics.free_count else ():
-        clock.tell("equal overlaps", chosen.slips.index(slip), len(chosen.slips))
+    for slip in SLIPS if problem.statics.free_count else ():
+        clock.tell("equal overlaps", SLIPS.index(slip), len(SLIPS))
         state = _with_equal_overlaps(problem, slip, clock)
         if state is not None and (best is None or _worst(state, chosen) < _worst(best, chosen)):
             best = state
@@ -277,8 +277,6 @@ class PenaltyOptions(Options):
     ----------
     ground : > 0, < inf
         Stiffness of the ground, far below that of the glue: it carries what glue cannot.
-    settle
-        Whether a structure that comes to rest after settling needs no help.
     gamma : >= 1, < inf
         Cost of tension by that of compression, one or more: springs that balance loads have the
         least energy, in which a pull on glue of a stiffness counts by its inverse. As far as the
@@ -286,7 +284,6 @@ class PenaltyOptions(Options):
     """
 
     ground: float = 1e-8
-    settle: bool = False
     gamma: float | None = None
 
     @property
@@ -343,7 +340,7 @@ def solve_cra_penalty(
         "the penalty form of coupled rigid-block analysis",
         "it measures the pull that dry joints do not have",
     )
-    asked = CheckOptions(samples=SAMPLES, settle=chosen.settle)
+    asked = CheckOptions(samples=SAMPLES, settle=False)
     dry = decided(Asked(problem, asked, clock))
     assembly = problem.model.assembly
     corners = problem.model.contacts.corner_count
