@@ -13,7 +13,7 @@ import numpy as np
 from drystone.assembly import Assembly, Block, Blocks
 from drystone.base.arrays import FARTHEST, Bools, Floats, frozen_floats, marked, of_type
 from drystone.base.display import Card, OneLine
-from drystone.base.errors import InputError, counted, quoted
+from drystone.base.errors import InputError, counted, quoted, require
 from drystone.base.settings import member_of
 from drystone.contacts import DEFAULT_FRICTION, Contacts
 from drystone.detection import ContactReport, DetectionOptions, find_contacts
@@ -28,6 +28,7 @@ from drystone.mesh_objects import assembly_of, to_trimesh
 from drystone.supports import UP, GroundPlane, Joints, ground_of, remarks, select, up_of
 
 if TYPE_CHECKING:
+    import networkx
     import trimesh
 
 _REPRESENTED = (1e-100, 1e100)
@@ -205,6 +206,41 @@ class Model(Card):
     def __len__(self) -> int:
         """Number of blocks."""
         return len(self.assembly)
+
+    def graph(self) -> networkx.MultiDiGraph:
+        """The contact graph: a node per block, an edge per interface from block a to block b.
+
+        Returns
+        -------
+        networkx.MultiDiGraph
+            Nodes are positions and have ``block``, ``fixed`` and ``load`` (6,) [N, N m]. Edges have
+            ``interface``, ``area`` [m2], ``friction``, ``points`` (c, 3) [m] and ``frame`` (3, 3),
+            its rows n, u, v.
+
+        Raises
+        ------
+        MissingDependency
+            networkx is not installed.
+
+        Notes
+        -----
+        Source: Frick et al. 2016, the assembly as a directed graph; Kao 2023, section 4.5.
+        """
+        require("networkx", "graph", "the graph")
+        import networkx  # optional: only for those who ask for the graph
+
+        graph = networkx.MultiDiGraph()
+        for i, block in enumerate(self.assembly.blocks):
+            fixed = bool(self.assembly.fixed[i])
+            graph.add_node(i, block=block, fixed=fixed, load=self.load.wrench[i])
+        contacts = self.contacts
+        for i, pair in enumerate(zip(contacts.block_a, contacts.block_b, strict=True)):
+            graph.add_edge(
+                *map(int, pair), interface=i, area=float(contacts.area[i]),
+                friction=float(contacts.friction[i]), points=contacts.polygon(i),
+                frame=contacts.frame[i],
+            )  # fmt: skip
+        return graph
 
     def to_trimesh(self) -> trimesh.Scene:
         """Its blocks for trimesh; see :func:`drystone.mesh_objects.to_trimesh`."""

@@ -22,6 +22,7 @@ SECTIONS: dict[str, Callable[[], Case]] = {
     "4.2": assembly_cases.equilibrium,
     "4.3": assembly_cases.kerns,
     "4.4": assembly_cases.resultants,
+    "4.5": assembly_cases.assembly_graph,
     "5.1.1": equilibrium_cases.pinched_blocks,
     "5.1.2": equilibrium_cases.wedged_block,
     "5.3": equilibrium_cases.penalty_form,

@@ -1,6 +1,6 @@
 """Sections 6.3 to 7.5 of the source: what is designed, and built without props; its table 8.1.
 
-Chapters 4 and 8 of the source: equilibrium, kern, resultants; the example.
+Chapters 4 and 8 of the source: equilibrium, kern, resultants, the graph; the example.
 """
 
 from __future__ import annotations
@@ -353,6 +353,36 @@ def resultants() -> Case:
         )
     )
     return Case("4.4", "Resultants", lines, {"incline": result})
+
+
+def assembly_graph() -> Case:
+    """The assembly as a graph: blocks in its nodes, interfaces and forces in its edges."""
+    model = Model.of(models.buttressed_arch(), friction=0.6)
+    result = check(model)
+    graph = result.graph()
+    force = np.array([model.load.wrench[i, :3] for i in graph])
+    for a, b, edge in graph.edges(data=True):
+        force[b] += edge["resultant"]
+        force[a] -= edge["resultant"]
+    off = np.abs(force[model.assembly.free]).max() / np.abs(model.load.wrench).max()
+    blocks = sum(graph.nodes[i]["block"] is one for i, one in enumerate(model.assembly.blocks))
+    corners = sum(len(edge["force"]) for _, _, edge in graph.edges(data=True))
+    same = sum(
+        bool(np.array_equal(edge["points"], model.contacts.polygon(edge["interface"])))
+        for _, _, edge in graph.edges(data=True)
+    )
+    lines = (
+        Line("nodes with their block", f"{len(model.assembly)}, one a block", str(blocks),
+             blocks == len(model.assembly) == len(graph)),
+        Line("directed edges with the corners of their interface",
+             f"{model.contacts.count}, one an interface", str(same),
+             same == model.contacts.count == graph.number_of_edges()),
+        Line("forces in the edges", f"{model.contacts.corner_count}, one a corner", str(corners),
+             corners == model.contacts.corner_count),
+        Line("load of a node and its edges, reversed where they leave it", "balance",
+             f"{off:.1e} of the load", bool(off <= 1e-6), "Newton's third law along an edge"),
+    )  # fmt: skip
+    return Case("4.5", "Assembly data structure", lines, {"arch": result})
 
 
 def example() -> Case:

@@ -8,7 +8,7 @@ from __future__ import annotations
 import enum
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -25,6 +25,9 @@ from drystone.friction_use import utilisation_of
 from drystone.joints import Resultants, linear_strength_use, resultants_of, world_forces
 from drystone.loads import LoadCase
 from drystone.model import Model, OfModel
+
+if TYPE_CHECKING:
+    import networkx
 
 
 class Sensitivity(enum.StrEnum):
@@ -142,6 +145,27 @@ class Solution(MayStop, OfModel, OneLine):
     def world_force(self) -> Floats:
         """Corner forces (k, 3) [N] on block b in world axes; zero where there are none."""
         return world_forces(self.contacts, self._local_force)
+
+    def graph(self) -> networkx.MultiDiGraph:
+        """The graph of the model (:meth:`drystone.Model.graph`) with forces in its edges.
+
+        Returns
+        -------
+        networkx.MultiDiGraph
+            Its edges also have ``force`` (c, 3) [N] at the corners, local n, u, v, on block b, and
+            the world ``resultant`` (3,) [N] with its ``centre`` (3,) [m]; zero without forces. With
+            tension they have ``tension`` (c,) [N].
+        """
+        graph = self.model.graph()
+        found, contacts = self.resultants, self.contacts
+        for _, _, edge in graph.edges(data=True):
+            i = edge["interface"]
+            rows = slice(contacts.start[i], contacts.start[i + 1])
+            edge["force"] = self._local_force[rows]
+            edge["resultant"], edge["centre"] = found.force[i], found.position[i]
+            if self.tension is not None:
+                edge["tension"] = self.tension[rows]
+        return graph
 
     @property
     def _local_force(self) -> Floats:

@@ -1,6 +1,7 @@
 """``drystone reproduce``."""
 
 import json
+import sys
 
 from drystone.cli import main
 from drystone.reproduce import SECTIONS, Case, Line, sections_of
@@ -72,3 +73,12 @@ def test_an_unknown_section_and_a_file_in_place_of_a_folder_are_bad_input(capsys
     (tmp_path / "file").write_text("")
     assert main(["reproduce", "5.1.1", "--out", str(tmp_path / "file")]) == 2
     assert "another folder" in capsys.readouterr().err
+
+
+def test_a_section_that_needs_another_package_is_left_out_of_all(capsys, monkeypatch):
+    for section in set(SECTIONS) - {"4.2", "4.5"}:
+        monkeypatch.delitem(SECTIONS, section)
+    monkeypatch.setitem(sys.modules, "networkx", None)
+    assert main(["reproduce", "all"]) == 0
+    assert "section 4.5 is left out: the graph needs networkx" in capsys.readouterr().out
+    assert main(["reproduce", "4.5"]) == 3
