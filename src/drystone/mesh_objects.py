@@ -12,13 +12,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from drystone.assembly import Assembly, Block, replace_block
-from drystone.base.arrays import SAME, Floats
+from drystone.base.arrays import SAME, Floats, Ints
 from drystone.base.errors import InputError, quoted, require
 from drystone.geometry.halfedge import merge_coplanar
 from drystone.geometry.triangulate import triangulate
 from drystone.repair import mended_block
 
 if TYPE_CHECKING:
+    import pyvista
     import trimesh
 
 
@@ -75,15 +76,38 @@ def to_trimesh(assembly: Assembly) -> trimesh.Scene:
     import trimesh  # optional: only for those who ask for it
 
     scene = trimesh.Scene()
+    for block, triangle in _triangles(assembly):
+        mesh = trimesh.Trimesh(block.vertices, triangle, process=False)
+        scene.add_geometry(mesh, node_name=block.name, geom_name=block.name)
+    return scene
+
+
+def to_pyvista(assembly: Assembly) -> pyvista.MultiBlock:
+    """A ``MultiBlock`` of pyvista with a mesh of triangles [m] for each block, by its name.
+
+    Raises
+    ------
+    MissingDependency
+        pyvista is not installed.
+    """
+    require("pyvista", "meshes", "meshes of pyvista")
+    import pyvista  # as above
+
+    meshes = pyvista.MultiBlock()
+    for block, triangle in _triangles(assembly):
+        loops: Any = triangle  # one of the types of its own arrays
+        meshes[block.name] = pyvista.PolyData.from_regular_faces(np.array(block.vertices), loops)
+    return meshes
+
+
+def _triangles(assembly: Assembly) -> Iterator[tuple[Block, Ints]]:
+    """Each block with triangles (t, 3) of its vertices."""
     faces = assembly.faces
     triangle, face = triangulate(faces.point[faces.loop], faces.start)
     first = np.cumsum([0, *(len(block.vertices) for block in assembly.blocks)])
     owner = faces.owner[face]
     for i, block in enumerate(assembly.blocks):
-        own = faces.loop[triangle[owner == i]] - first[i]
-        mesh = trimesh.Trimesh(block.vertices, own, process=False)
-        scene.add_geometry(mesh, node_name=block.name, geom_name=block.name)
-    return scene
+        yield block, faces.loop[triangle[owner == i]] - first[i]
 
 
 def _meshes(given: Any, name: str) -> Iterator[tuple[str, Floats, list[Sequence[int]]]]:

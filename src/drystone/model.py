@@ -24,11 +24,12 @@ from drystone.detection.resample import resampled_lines
 from drystone.detection.tolerances import Missed
 from drystone.joint_capacity import NO_LIMIT, JointCapacity
 from drystone.loads import LoadCase
-from drystone.mesh_objects import assembly_of, to_trimesh
+from drystone.mesh_objects import assembly_of, to_pyvista, to_trimesh
 from drystone.supports import UP, GroundPlane, Joints, ground_of, remarks, select, up_of
 
 if TYPE_CHECKING:
     import networkx
+    import pyvista
     import trimesh
 
 _REPRESENTED = (1e-100, 1e100)
@@ -245,6 +246,10 @@ class Model(Card):
     def to_trimesh(self) -> trimesh.Scene:
         """Its blocks for trimesh; see :func:`drystone.mesh_objects.to_trimesh`."""
         return to_trimesh(self.assembly)
+
+    def to_pyvista(self) -> pyvista.MultiBlock:
+        """Its blocks for pyvista; see :func:`drystone.mesh_objects.to_pyvista`."""
+        return to_pyvista(self.assembly)
 
     @classmethod
     def of(

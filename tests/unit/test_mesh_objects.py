@@ -81,16 +81,19 @@ def test_an_open_mesh_is_refused_with_its_name():
         Model.of([mesh])
 
 
-def test_blocks_go_to_trimesh_and_come_back():
-    pytest.importorskip("trimesh")
+@pytest.mark.parametrize("package", ["trimesh", "pyvista"])
+def test_blocks_go_to_other_packages_and_come_back(package):
+    pytest.importorskip(package)
     model = Model.of(concave("short"), friction=0.3)
-    again = Model.of(model.to_trimesh(), supports=["slab"], friction=0.3)
+    meshes = getattr(model, f"to_{package}")()
+    again = Model.of(meshes, supports=["slab"], friction=0.3)
     assert again.assembly.names == model.assembly.names
     assert again.assembly.volume == pytest.approx(model.assembly.volume)
     assert again.contacts.count == model.contacts.count
 
 
-def test_a_package_that_is_missing_is_named(monkeypatch):
-    monkeypatch.setitem(sys.modules, "trimesh", None)
-    with pytest.raises(MissingDependency, match=r"trimesh; pip install '\.\[meshes\]'"):
-        Model.of(concave("short")).to_trimesh()
+@pytest.mark.parametrize("package", ["trimesh", "pyvista"])
+def test_a_package_that_is_missing_is_named(package, monkeypatch):
+    monkeypatch.setitem(sys.modules, package, None)
+    with pytest.raises(MissingDependency, match=rf"{package}; pip install '\.\[meshes\]'"):
+        getattr(Model.of(concave("short")), f"to_{package}")()
