@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from drystone.base import units
-from drystone.base.errors import InputError, counted
+from drystone.base.errors import InputError, MissingDependency, counted
 from drystone.base.hints import documented
 from drystone.cli import families, kinds, offered
 from drystone.cli.check_command import safe, solve
@@ -188,16 +188,24 @@ def reproduce(
     names = cases.sections_of(section)
     found: list[Case] = []
     written: list[str] = []
+    left: list[Sentence] = []
     for name in names:
         waiting.stage("solve", f"section {name}")
-        found.append(cases.reproduce(name))
+        try:
+            found.append(cases.reproduce(name))
+        except MissingDependency as error:
+            if len(names) == 1:
+                raise
+            left.append(Sentence(f"section {name} is left out: {error}", Role.REMARK))
+            continue
         written += [] if out is None else cases.save_case(found[-1], out)
         waiting.wrote = written
     wrong = [case.section for case in found if not case.agrees]
     told = [Sentence(agreement(found), Role.BAD if wrong else Role.GOOD)]
     told += [one for case in found for one in case.sentences()[1:]]
     numbers = {"sections": [case.numbers() for case in found]}
-    tables = tuple(one for case in found for one in case.tables())
-    answer = Statement(tuple(told), tables, numbers)
+    answer = Statement(
+        (*told, *left), tuple(one for case in found for one in case.tables()), numbers
+    )
     asked = "all sections" if section == "all" else f"section {section}"
     return Told(answer, subject=asked, written=written, everything=True)
