@@ -53,11 +53,13 @@ class Refined:
         """The solution with a right side."""
         if not self.leads:
             return self._inverse(right)
-        goal = REFINED * float(np.linalg.norm(right))
-        solution, before = np.zeros_like(right), np.inf
-        left = right
+        before = float(np.linalg.norm(right))
+        goal, enough = REFINED * before, False
+        solution, left = np.zeros_like(right), right
         while True:
             solution += self._inverse(left)
+            if enough:
+                return solution
             left = right - self._product(solution)
             size = float(np.linalg.norm(left))
             if size <= goal:
@@ -65,6 +67,7 @@ class Refined:
             if not size < SLOWLY * before:
                 self._inverse, self.leads = self._exact(), False
                 return self._inverse(right)
+            enough = size * size < SLOWLY * goal * before  # if it leaves as large a share again
             before = size
 
 
