@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drystone.base.arrays import (
     Bools,
@@ -122,7 +123,8 @@ class Contacts(OneLine):
         checked["rod"] = frozen_floats(rod if len(rod) else np.zeros(m), (m,), "rod")
         if len(interface) != len(checked["point"]):
             raise InputError("point and interface differ in length")
-        if (np.diff(interface) < 0).any() or not np.array_equal(np.unique(interface), np.arange(m)):
+        steps = np.diff(interface, prepend=-1, append=m)
+        if not (steps[[0, -1]].all() and (steps & 1 == steps).all()):
             raise InputError("interface must be ascending, with a corner of each of the interfaces")
         if (checked["block_a"] == checked["block_b"]).any():
             raise InputError("an interface joins two different blocks")
@@ -428,26 +430,51 @@ class Contacts(OneLine):
         new[np.asarray(blocks, dtype=np.intp)] = np.arange(len(blocks))
         return self.select((new[self.block_a] >= 0) & (new[self.block_b] >= 0), new)
 
+    def with_points(self, owner: Ints, place: Floats, area: Floats) -> Contacts:
+        """Points in place of the corners of some dry faces, after the other interfaces.
+
+        Parameters
+        ----------
+        owner : (p,)
+            The face of each point, which is an interface of its own.
+        place : (p, 3) [m]
+        area : (p,) [m2]
+            What each stands for.
+        """
+        stays = np.ones(self.count, dtype=bool)
+        stays[owner] = False
+        faces = {name: getattr(self, name)[owner] for name in _ALIKE}
+        own = {"area": area, "point": place, "tributary": area, "interface": np.arange(len(owner))}
+        return joined_contacts(self.select(stays), _unchecked(None, **faces, **own))
+
     def _part(self, mask: Bools, block_a: Ints, block_b: Ints) -> Contacts:
         """Some interfaces (m,) between these blocks: a part of what was checked needs no check."""
         keep = mask[self.interface]
-        values = {
-            "block_a": block_a,
-            "block_b": block_b,
-            "frame": self.frame[mask],
-            "area": self.area[mask],
-            "friction": self.friction[mask],
-            "rod": self.rod[mask],
-            "point": self.point[keep],
-            "interface": (np.cumsum(mask) - 1)[self.interface[keep]],
-            "tributary": self.tributary[keep],
-        }
-        capacity = None if self.capacity is None else self.capacity.select(mask)
-        part = object.__new__(Contacts)
-        for name, value in values.items():
-            object.__setattr__(part, name, frozen(value))
-        object.__setattr__(part, "capacity", capacity)
-        return part
+        return _unchecked(
+            None if self.capacity is None else self.capacity.select(mask),
+            block_a=block_a,
+            block_b=block_b,
+            frame=self.frame[mask],
+            area=self.area[mask],
+            friction=self.friction[mask],
+            rod=self.rod[mask],
+            point=self.point[keep],
+            interface=(np.cumsum(mask) - 1)[self.interface[keep]],
+            tributary=self.tributary[keep],
+        )
+
+
+_ALIKE = ("block_a", "block_b", "frame", "friction", "rod")
+"""What points have of their face."""
+
+
+def _unchecked(capacity: JointCapacity | None, **values: NDArray[Any]) -> Contacts:
+    """Interfaces of what was checked."""
+    made = object.__new__(Contacts)
+    for name, value in values.items():
+        object.__setattr__(made, name, frozen(value))
+    object.__setattr__(made, "capacity", capacity)
+    return made
 
 
 def _checked_frames(frame: Any, count: int) -> Floats:
@@ -494,20 +521,10 @@ def joined_contacts(one: Contacts, other: Contacts) -> Contacts:
     if not len(other):
         return one
 
-    def both(name: str) -> Any:
-        return np.concatenate([getattr(one, name), getattr(other, name)])
-
-    return Contacts(
-        both("block_a"),
-        both("block_b"),
-        both("frame"),
-        both("area"),
-        both("friction"),
-        both("point"),
-        np.concatenate([one.interface, other.interface + one.count]),
-        _joined_capacity(one, other),
-        both("rod"),
-    )
+    names = (*_ALIKE, "area", "point", "tributary")
+    both = {name: np.concatenate([getattr(one, name), getattr(other, name)]) for name in names}
+    interface = np.concatenate([one.interface, other.interface + one.count])
+    return _unchecked(_joined_capacity(one, other), interface=interface, **both)
 
 
 def _as_strong(given: Contacts, *others: Contacts) -> JointCapacity:

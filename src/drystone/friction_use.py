@@ -146,54 +146,41 @@ def spread_where_turned(
     no more than the sum. Faces that stay are first; with it come which corners (k,) these are,
     and the forces (p, 3) [N] of the others as if each pressed evenly, local n, u, v.
     """
-    turns = twisted(contacts, resultants)
-    if not turns.any():
+    turns = np.flatnonzero(twisted(contacts, resultants))
+    if not len(turns):
         return None
-    origin, corners, made = sections = joint_sections(contacts)
-    axes, joint = contacts.frame[:, 1:], contacts.interface
-    centre = np.einsum("mij,mj->mi", axes, resultants.position - origin)
-    bound = np.where(turns, bearable(contacts, resultants.normal), np.inf)
-    force = np.einsum("mij,mj->mi", axes, resultants.force) / bound[:, None]
-    polar = bound * np.where(turns, np.trace(made.inertia, axis1=1, axis2=2), 1.0)
-    turn = (resultants.torque / polar)[joint, None] * [-1.0, 1.0]
+    faces = contacts.select(turns)
+    forces = Resultants(*(each[turns] for each in vars(resultants).values()))
+    origin, corners, made = sections = joint_sections(faces)
+    axes, joint = faces.frame[:, 1:], faces.interface
+    centre = np.einsum("mij,mj->mi", axes, forces.position - origin)
+    bound = bearable(faces, forces.normal)
+    force = np.einsum("mij,mj->mi", axes, forces.force) / bound[:, None]
+    polar = bound * np.trace(made.inertia, axis1=1, axis2=2)
+    turn = (forces.torque / polar)[joint, None] * [-1.0, 1.0]
     away = corners - centre[joint]
     across = turn * away[:, ::-1]
-    together = contacts.corners.max(lengths(force[joint] + across))
-    sliding = np.where(turns, sliding_use(contacts, resultants), 0.0)
+    together = faces.corners.max(lengths(force[joint] + across))
+    sliding = sliding_use(faces, forces)
     least = np.maximum(MUCH, sliding + TURNED)
     lever = np.einsum("mij,mj->mi", made.inverse, centre - made.centroid)
-    opened = contacts.corners.min(dot(corners - made.centroid[joint], lever[joint])) < -1.0
-    edge = corners[contacts.corners.following] - corners
-    rim = contacts.corners.min(plane_cross(away, edge) / np.maximum(lengths(edge), 1e-300))
-    alone = np.abs(resultants.torque) / bound > (least - sliding) * LEVER * rim
-    much = turns & np.where(opened, alone, together > least)
-    if not much.any():
+    opened = faces.corners.min(dot(corners - made.centroid[joint], lever[joint])) < -1.0
+    edge = corners[faces.corners.following] - corners
+    rim = faces.corners.min(plane_cross(away, edge) / np.maximum(lengths(edge), 1e-300))
+    alone = np.abs(forces.torque) / bound > (least - sliding) * LEVER * rim
+    which = np.flatnonzero(np.where(opened, alone, together > least))
+    if not len(which):
         return None
-    which = np.flatnonzero(much)
-    faces = PressedFaces.of(contacts, resultants, which, sections)
-    slip = faces.slip(contacts, resultants, least[which])
+    pressed = PressedFaces.of(faces, forces, which, sections)
+    slip = pressed.slip(faces, forces, least[which])
     wanted = slip.use > least[which]
     if not wanted.any():
         return None
-    stays = np.isin(np.arange(contacts.count), which[wanted], invert=True)
-    kept = contacts.select(stays)
-    points = faces.points(wanted, slip.pole)
-    owner = which[wanted][points.loops.owner]
+    points = pressed.points(wanted, slip.pole)
+    owner = turns[which[wanted]][points.loops.owner]
     away = np.einsum("pi,pij->pj", points.place, contacts.frame[owner, 1:])
-
-    def both(name: str) -> np.ndarray:
-        return np.concatenate([getattr(kept, name), getattr(contacts, name)[owner]])
-
-    spread = Contacts(
-        both("block_a"),
-        both("block_b"),
-        both("frame"),
-        np.concatenate([kept.area, points.area]),
-        both("friction"),
-        np.concatenate([kept.point, resultants.position[owner] + away]),
-        np.concatenate([kept.interface, kept.count + np.arange(len(owner))]),
-        rod=both("rod"),
-    )
+    spread = contacts.with_points(owner, resultants.position[owner] + away, points.area)
+    stays = np.isin(np.arange(contacts.count), owner, invert=True)
     share = points.area / np.bincount(owner, points.area, contacts.count)[owner]
     force = np.einsum("pij,pj->pi", contacts.frame[owner], resultants.force[owner])
-    return spread, stays[joint], share[:, None] * force
+    return spread, stays[contacts.interface], share[:, None] * force
