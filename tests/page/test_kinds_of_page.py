@@ -150,7 +150,7 @@ def test_instructions_and_the_report_of_joints_are_read_without_a_script(
     assert tab.text("h1") == "Assembly plan"
     assert tab.run("document.querySelectorAll('thead + tbody tr').length") == 2
     tab = opened(lambda path: save_joints(drystone.check(STACK), path), size=(390, 800))
-    assert tab.run("document.querySelectorAll('svg').length") > 0
+    assert tab.run("document.querySelectorAll('figure img').length") > 0
     assert tab.run("document.documentElement.scrollWidth <= innerWidth")
 
 

@@ -268,7 +268,7 @@ def test_the_page_of_a_limit_says_the_limit_shows_both_sides_and_prints_its_char
     assert len(re.findall(rb"/Type\s*/Page\b", tab.printed())) == 2
     tab.send("Emulation.setEmulatedMedia", media="")
     assert tab.text("h1").startswith("Stands up to 16.")
-    assert tab.run("document.querySelectorAll('aside svg circle').length") > 0
+    assert tab.run("document.querySelectorAll('aside svg use').length") > 0
     before = pixels(tab)
     tab.click("#stage-on")
     assert "about y; falls at 16." in tab.text("h1")
