@@ -201,17 +201,22 @@ class Inspection(Answer):
         'drystone: 3 blocks, 2 interfaces'
         """
         assembly, contacts = self.assembly, self.contacts
-        parts = [*interface_layers(contacts), *_edge_layers(contacts)]
+        lines = contacts.start[:-1][np.diff(contacts.start) == 2]
+        ends = contacts.point[lines[:, None] + [0, 1]]
+        parts = [
+            *interface_layers(contacts),
+            *_line_layer("lines", "line contacts", "interface", ends),
+        ]
         message, charts = "", []
         if self.found is not None:
             report = self.found.report
             parts += missed_layers(report)
-            lines = worth_drawing(report.summary())
-            first, *rest = lines
+            said = worth_drawing(report.summary())
+            first, *rest = said
             advice = [f"suggestion: {text}" for text in report.suggestions()]
             told = [first, *advice, *(line for line in rest if line not in advice)]
             message = "; ".join(told)
-            charts.append(Chart("Contact search", caption="\n".join(lines)))
+            charts.append(Chart("Contact search", caption="\n".join(said)))
         bare = () if self.built is None else self.built.bare
         parts += _polygon_layer("defects", "faces at holes", "help", bare)
         stage = SceneStage("contacts", self.title, message, state_of(assembly), layers=tuple(parts))
@@ -252,20 +257,10 @@ def missed_layers(report: ContactReport) -> tuple[Layer, ...]:
     missed = [miss.polygon for miss in report.missed if not miss.joined]
     areas = [polygon for polygon in missed if len(polygon) > 2]
     points = np.array([polygon for polygon in missed if len(polygon) == 2]).reshape(-1, 2, 3)
-    layers = list(_polygon_layer("missed", "near misses", "missed", areas))
-    if len(points):
-        layers.append(
-            Layer(
-                "missed-points",
-                "near misses of corners",
-                LayerKind.LINES,
-                "missed",
-                points[:, 0],
-                points[:, 1] - points[:, 0],
-                width=2.0,
-            )
-        )
-    return tuple(layers)
+    return (
+        *_polygon_layer("missed", "near misses", "missed", areas),
+        *_line_layer("missed-points", "near misses of corners", "missed", points),
+    )
 
 
 def _polygon_layer(
@@ -279,20 +274,8 @@ def _polygon_layer(
     return (Layer(key, label, LayerKind.POLYGONS, colour, corner, start=start.astype(np.intp)),)
 
 
-def _edge_layers(contacts: Contacts) -> tuple[Layer, ...]:
-    """Contacts along a line."""
-    lines = contacts.start[:-1][np.diff(contacts.start) == 2]
-    if len(lines) == 0:
-        return ()
-    position = contacts.point[lines]
-    return (
-        Layer(
-            "lines",
-            "line contacts",
-            LayerKind.LINES,
-            "interface",
-            position,
-            contacts.point[lines + 1] - position,
-            width=2.0,
-        ),
-    )
+def _line_layer(key: str, label: str, colour: str, ends: Floats) -> tuple[Layer, ...]:
+    """Lines with the ends (p, 2, 3) in one colour; no layer where there are none."""
+    start, along = ends[:, 0], ends[:, 1] - ends[:, 0]
+    line = Layer(key, label, LayerKind.LINES, colour, start, along, width=2.0)
+    return (line,) if len(ends) else ()

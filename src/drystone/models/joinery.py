@@ -7,9 +7,8 @@ from collections.abc import Iterable
 import numpy as np
 
 from drystone.assembly import Assembly
-from drystone.base.arrays import Floats
 from drystone.geometry.frames import rotation_about
-from drystone.models.simple import box, of_boxes, prism, require, sections, welded
+from drystone.models.simple import box, of_boxes, prism, require, sections
 
 
 def dovetail(
@@ -161,21 +160,6 @@ def burr(cell: float = 0.1) -> Assembly:
     blocks = []
     for name, (axis, side) in STICKS.items():
         cells = _stick_cells(axis, side) - set(map(tuple, notches.get(name, ())))
-        blocks.append(welded(_surface(cells, cell), name))
+        ends = ((cell * np.array([one, np.add(one, 1)])).tolist() for one in sorted(cells))
+        blocks.append(of_boxes(name, *((tuple(low), tuple(high)) for low, high in ends)))
     return Assembly(tuple(blocks))
-
-
-def _surface(cells: set[tuple[int, int, int]], edge: float) -> list[Floats]:
-    """The faces between cells and their surroundings."""
-    square = np.array([(0, 0), (1, 0), (1, 1), (0, 1)])
-    loops = []
-    for cell in sorted(cells):
-        for axis in range(3):
-            for side in (0, 1):
-                beyond = list(cell)
-                beyond[axis] += 2 * side - 1
-                if tuple(beyond) in cells:
-                    continue
-                corners = np.insert(square, axis, side, axis=1) + np.array(cell)
-                loops.append(edge * corners.astype(np.float64))
-    return loops
