@@ -18,7 +18,7 @@ from drystone.checks import check_forces
 from drystone.formulations.corner_forces import FrictionCone
 from drystone.formulations.equilibrium import FactorSolution, LoadFactors
 from drystone.formulations.nearest_mechanism import nearest_mechanism
-from drystone.geometry.frames import LEVEL_AXES
+from drystone.limits.images import unlike_axes
 from drystone.limits.limit_search import VerdictSearch, Width
 from drystone.limits.limit_types import Bracket, Family, Friction, LoadFactor, Tilt
 from drystone.loads import LoadCase
@@ -26,7 +26,7 @@ from drystone.loads.applied import common_acceleration, is_vertical
 from drystone.mechanics.statics import Statics
 from drystone.model import Model
 from drystone.programs import RBEOptions, solve_rbe
-from drystone.programs.rbe import BALANCE_TOLERANCE, NEAREST
+from drystone.programs.rbe import BALANCE_TOLERANCE, BALANCED, NEAREST
 from drystone.results import Result, Verdict
 from drystone.results.solution import MARGINS
 from drystone.solvers.program import ConicSolution
@@ -208,13 +208,14 @@ def tilt_bound(
     cone: FrictionCone,
     stop: Stop | None = None,
     first: FactorSolution | None = None,
+    rest: Result | None = None,
 ) -> Bracket:
     """The limit of equilibrium under tilt.
 
     A load normal to the axis rotates in a plane. There the loads that can be balanced form a convex
     cone. Its edge is found quarter by quarter: as the largest factor of the load rotated by 90
     degrees, added to the load. Any other load is bisected. ``first``: of the first quarter, where
-    it is known, see :func:`tilt_factor`.
+    it is known, see :func:`tilt_factor`. ``rest``: forces that balance the load upright.
     """
     if not family.is_planar():
         return bisected_bound(family, 0.0, upper, width=width, cone=cone, stop=stop)
@@ -227,7 +228,28 @@ def tilt_bound(
         if solution.factor < np.inf:
             angle = quarter + float(np.rad2deg(np.arctan(solution.factor)))
             break
-    return _confirmed(family, angle, solution, (0.0, upper), width, cone, stop)
+    held = None
+    if solution is not None and rest is not None and cone == FrictionCone.exact():
+        held = _between(family, solution, rest, angle - 0.5 * width)
+    return _confirmed(family, angle, solution, (0.0, upper), width, cone, stop, held)
+
+
+def _between(family: Tilt, last: FactorSolution, rest: Result, angle: float) -> Result | None:
+    """A state at an angle [degrees] below the limit, of the forces there and upright.
+
+    The load there is a sum of those two with factors that are not negative, and so are the forces:
+    they stay in their cones. None where joints do more than press and rub, and beyond 90 degrees.
+    """
+    contacts, upright = family.model.contacts, rest.force
+    if upright is None or len(upright) != contacts.corner_count:
+        return None
+    if not (contacts.plain.all() and 0.0 < angle < 90.0):
+        return None
+    turn = math.radians(angle)
+    share = math.sin(turn) / last.factor
+    force = share * Problem.build(family.model).force(last.state.force)
+    force += (math.cos(turn) - share) * upright
+    return balanced(family(angle), force, last.state.raw, BALANCED)
 
 
 def tilt_factor(
@@ -242,9 +264,9 @@ def tilt_margin(
 ) -> tuple[float | None, str]:
     """The tilt [degrees] up to which forces balance the loads, least of those about x and y.
 
-    One conic program for each of the four ways to tilt. Loads that are not all vertical, as those
-    of fill, do not turn: of them it is the angle of the weight, of blocks and what they carry, with
-    the largest push along x and y that forces balance beside the loads.
+    One conic program for each of the four ways to tilt that are not alike. Loads that are not all
+    vertical, as those of fill, do not turn: of them it is the angle of the weight, of blocks and
+    what they carry, with the largest push along x and y that forces balance beside the loads.
 
     Parameters
     ----------
@@ -270,7 +292,7 @@ def tilt_margin(
         if down <= 0.0:
             return None, ""
         load = LoadCase.gravity(model.assembly, down) + load.weight_of_masses
-    for name, axis in LEVEL_AXES.items():
+    for name, axis in unlike_axes(model).items():
         way = Tilt(model.with_load(load), np.array(axis)).turned(90.0)
         angle = math.degrees(math.atan(largest(statics.scaled_wrench(way.wrench), stop).factor))
         if angle < (1.0 - SAME) * least:
@@ -320,10 +342,16 @@ def _confirmed(
     width: float,
     cone: FrictionCone,
     stop: Stop | None,
+    held: Result | None = None,
 ) -> Bracket:
-    """A bracket around the value of a solver, with checked answers at both sides."""
+    """A bracket around the value of a solver, with checked answers at both sides.
+
+    ``held``: the state half of a width before it, where it is known.
+    """
     search = _search(family, cone, stop)
     start, end = span
+    if held is not None:
+        search.results[value - 0.5 * width] = held
     try:
         if value >= end:
             verdict = search.stands(end)

@@ -7,7 +7,7 @@ full verdict: the forces arise without prestress. It is searched inside the limi
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Unpack
@@ -15,7 +15,7 @@ from typing import Unpack
 import numpy as np
 
 from drystone.assembly import Assembly
-from drystone.base.arrays import Floats, number
+from drystone.base.arrays import SAME, Floats, number
 from drystone.base.errors import InputError
 from drystone.base.settings import Clock, LongWork, checked_call
 from drystone.contacts import Contacts
@@ -24,6 +24,7 @@ from drystone.geometry.frames import LEVEL_AXES, axis_vector
 from drystone.io.load_options import grown
 from drystone.io.opening import Given, LongHow, supported_model
 from drystone.limits.bounds import friction_bound, load_factor_bound, rbe, tilt_bound, tilt_factor
+from drystone.limits.images import unlike_axes
 from drystone.limits.inside import MANY, Means, bisected, searched, stands_up_to
 from drystone.limits.limit_answer import Limit
 from drystone.limits.limit_types import (
@@ -46,6 +47,9 @@ from drystone.results import Result
 
 _WIDTH_DEG = 0.05
 """Default width of a bracket of tilt [degrees]."""
+_NARROW = 0.03
+"""Share of the vertical force that counts beside the thrust. Chosen: arches, barrel vaults, walls
+and a leaning column are asked about the weaker axis first."""
 _LEAST_TILT = "the least of the tilts about x, -x, y and -y"
 _NOT_ALL_AXES = "about other axes it may fall before: not all are searched"
 _SHARE = 1e-4
@@ -94,29 +98,18 @@ def limit_tilt(
     model = supported_model(given, **how)
     if axis is not None:
         return tilt_limit(Tilt(model, axis_vector(axis)), upper, means)
-    families = [Tilt(model, np.array(one)) for one in LEVEL_AXES.values()]
-    known: dict[Tilt, FactorSolution] = {}
+    axes = unlike_axes(model) if check is None else LEVEL_AXES
+    ways: Mapping[str, Tilt] = {name: Tilt(model, np.array(one)) for name, one in axes.items()}
+    known: Mapping[Tilt, FactorSolution] = {}
     asks = check is None and not means.options.equilibrium_only
     rest: Result | None = None
     if asks:
         means.tell("rest state", 0)
         rest = one_stiffness(model, stop=means.clock.late)
-    if asks and model.contacts.corner_count <= MANY:
+    if rest is not None and model.contacts.corner_count <= MANY:
         means.tell("limit of equilibrium", 0)
-        # first that across the narrow side; of the other only whether it is more, where it is
-        wide = np.ptp(model.assembly.bounds.reshape(-1, 3), axis=0)
-        narrow, other = families[::2] if wide[1] <= wide[0] else families[2::-2]
-        cone, late = means.options.cone, means.clock.late
-        known[narrow] = tilt_factor(narrow, cone, late)
-        enough = max(0.0, known[narrow].factor)  # and 0 where it is NaN, not known
-        alike = 1.0 - _SHARE if other is families[2] else 1.0 / (1.0 - _SHARE)
-        more = rbe(cone, late, other(np.degrees(np.arctan(alike * enough))))
-        if not STANDS[more.verdict]:
-            known[other] = tilt_factor(other, cone, late, enough)
-        x, y = (known[one].factor if one in known else np.inf for one in families[::2])
-        if y < (1.0 - _SHARE) * x:
-            families = families[2:] + families[:2]
-    first, *others = families
+        ways, known = _weaker_first(ways, means, rest)
+    first, *others = ways.values()
     limit = tilt_limit(first, upper, means, known.get(first), rest)
     for family in others:
         last = limit.best.stands
@@ -129,10 +122,37 @@ def limit_tilt(
             limit = replace(limit, stopped=found.stopped)
         elif not found.capped:
             limit = replace(found, end=limit.end)
-    quantity = limit.quantity
     told = _NOT_ALL_AXES if limit.stopped else _LEAST_TILT
-    remark = "; ".join(one for one in (told, quantity.remark) if one)
-    return replace(limit, quantity=replace(quantity, remark=remark))
+    remark = "; ".join(filter(None, (told, limit.quantity.remark)))
+    return replace(limit, quantity=replace(limit.quantity, remark=remark))
+
+
+def _weaker_first(
+    ways: Mapping[str, Tilt], means: Means, rest: Result
+) -> tuple[Mapping[str, Tilt], Mapping[Tilt, FactorSolution]]:
+    """The ways to tilt, of x and y first that with the lower limit of equilibrium, and this limit.
+
+    First that is asked which seems lower: about the axis across which it thrusts, or a narrow side.
+    Of the other only whether it is more, where it is.
+    """
+    cone, late = means.options.cone, means.clock.late
+    model = ways["x"].model
+    width = np.ptp(model.assembly.bounds.reshape(-1, 3), axis=0)[:2]
+    force = np.eye(3)[2] if rest.force is None else np.abs(rest.world_force()).sum(axis=0)
+    along_x, along_y = (force[:2] + _NARROW * force[2]) / width
+    order = "xy" if along_y >= (1.0 - SAME) * along_x else "yx"
+    weak, *others = (ways[name] for name in order if name in ways)
+    known = {weak: tilt_factor(weak, cone, late)}
+    for other in others:
+        enough = max(0.0, known[weak].factor)  # and 0 where it is NaN, not known
+        near = 1.0 - _SHARE if order == "xy" else 1.0 / (1.0 - _SHARE)
+        more = rbe(cone, late, other(np.degrees(np.arctan(near * enough))))
+        if not STANDS[more.verdict]:
+            known[other] = tilt_factor(other, cone, late, enough)
+    x, y = (known[one].factor if (one := ways.get(name)) in known else np.inf for name in "xy")
+    if y < (1.0 - _SHARE) * x:
+        ways = dict(sorted(ways.items(), key=lambda way: not way[0].endswith("y")))
+    return ways, known
 
 
 def tilt_limit(
@@ -153,7 +173,9 @@ def tilt_limit(
         0.0,
         upper,
         lambda stop: (
-            tilt_bound(family, upper, width=width, cone=chosen.cone, stop=stop, first=first),
+            tilt_bound(
+                family, upper, width=width, cone=chosen.cone, stop=stop, first=first, rest=rest
+            ),
             width,
         ),
         means,

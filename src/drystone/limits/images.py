@@ -1,0 +1,82 @@
+"""Whether a structure is its own image: it then tilts alike about an axis and about its image."""
+
+from __future__ import annotations
+
+from itertools import product
+
+import numpy as np
+
+from drystone.base.arrays import SAME, Floats, Ints
+from drystone.geometry.frames import LEVEL_AXES
+from drystone.loads.applied import is_vertical
+from drystone.model import Model
+
+_TURNS = [
+    np.diag([x, y, 1.0])[order]
+    for x, y in product((1.0, -1.0), repeat=2)
+    for order in ([0, 1, 2], [1, 0, 2])
+]
+"""Quarter turns about the vertical, and mirrors across x, y and their diagonals."""
+
+
+def unlike_axes(model: Model) -> dict[str, Floats]:
+    """Those of the four level axes about which it need be tilted: the first of those alike.
+
+    About two axes a structure tilts alike where a turn or a mirror that makes it itself takes one
+    to the other. Joints that do more than press and rub, and loads that are not vertical, are not
+    looked at.
+    """
+    found: dict[str, Floats] = {}
+    for name, axis in LEVEL_AXES.items():
+        if not any(_tilts_alike(model, one, np.array(axis)) for one in found.values()):
+            found[name] = np.array(axis)
+    return found
+
+
+def _tilts_alike(model: Model, one: Floats, other: Floats) -> bool:
+    """Whether some turn or mirror takes an axis of rotation (3,) to another one.
+
+    A mirror turns it the other way as well.
+    """
+    if model.contacts.capacity is not None or not is_vertical(model.load):
+        return False
+    ways = (turn for turn in _TURNS if np.array_equal(np.linalg.det(turn) * turn @ one, other))
+    return any(_is_own_image(model, turn) for turn in ways)
+
+
+def _is_own_image(model: Model, turn: Floats) -> bool:
+    """Whether blocks, loads and corners lie on others of their kind after a turn (3, 3)."""
+    assembly, contacts = model.assembly, model.contacts
+    size, middle = float(assembly.size.mean()), assembly.centroid.mean(axis=0)
+
+    def image(place: Floats, before: Floats, after: Floats) -> Ints | None:
+        """Which of some places (p, 3) with numbers (p, q) each comes to lie on; None if not all."""
+        from scipy.spatial import cKDTree  # slow to import
+
+        centred = (place - middle) / size
+        there = np.hstack([centred @ turn.T, after])
+        away, found = map(np.asarray, cKDTree(np.hstack([centred, before])).query(there))
+        same = away.max(initial=0.0) < SAME and len(np.unique(found)) == len(found)
+        return found if same else None
+
+    largest = np.abs(model.load.wrench).max(initial=np.finfo(float).tiny)
+    weight = model.load.wrench[:, 2] / largest
+    kind = np.stack([weight, assembly.fixed], axis=1)
+    block = image(assembly.centroid, kind, kind)
+    if block is None:
+        return False
+    owner = assembly.faces.owner
+    shape = np.stack([owner, block[owner]])[:, :, None].astype(np.float64)
+    if image(assembly.faces.middles, *shape) is None:
+        return False
+    joint = contacts.interface
+    pair = contacts.corner_blocks
+    normal = contacts.frame[joint, 0]
+
+    def kinds(pair: Ints, normal: Floats) -> Floats:
+        """Both blocks (2, k) of corners, the normal from the one before, and friction."""
+        way = np.where(pair[0] < pair[1], 1.0, -1.0)[:, None]
+        return np.hstack([np.sort(pair, axis=0).T, way * normal, contacts.friction[joint, None]])
+
+    before, after = kinds(pair, normal), kinds(block[pair], normal @ turn.T)
+    return image(contacts.point, before, after) is not None
