@@ -49,11 +49,12 @@ class FrictionResponse:
     force : (k, 2) T
     slope
         Function that computes the derivatives, since most responses need only the force: with
-        respect to slide, dT / d dt (k, 2, 2), and to normal force, dT / d fn (k, 2).
+        respect to slide, dT / d dt (k, 2, 2), and to normal force, dT / d fn (k, 2). When given
+        True, those of the secant: with T / dt as it is.
     """
 
     force: Floats
-    slope: Callable[[], tuple[Floats, Floats]]
+    slope: Callable[..., tuple[Floats, Floats]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,9 +107,10 @@ class SlipLength:
         reach = np.sqrt(self.slip**2 + along[0] ** 2 + along[1] ** 2)
         stiffness = self.bound(normal) / reach
 
-        def slope() -> tuple[Floats, Floats]:
-            way = along / reach
-            return _across(stiffness, stiffness, *way), (self.bound.growth(normal) * way).T
+        def slope(secant: bool = False) -> tuple[Floats, Floats]:
+            way, lost = along / reach, float(not secant)
+            growth = lost * self.bound.growth(normal)
+            return _across(stiffness, lost * stiffness, *way), (growth * way).T
 
         return FrictionResponse((stiffness * along).T, slope)
 
@@ -152,10 +154,10 @@ class StickSlip:
         size = np.where(size > 0.0, size, 1.0)
         ratio = np.where(slips, bound / size, 1.0)
 
-        def slope() -> tuple[Floats, Floats]:
-            way, secant = trial / size, self.stiffness * ratio
-            growth = slips * self.bound.growth(normal)
-            return _across(secant, secant * slips, *way), (growth * way).T
+        def slope(secant: bool = False) -> tuple[Floats, Floats]:
+            way, stiffness, lost = trial / size, self.stiffness * ratio, slips & (not secant)
+            growth = lost * self.bound.growth(normal)
+            return _across(stiffness, stiffness * lost, *way), (growth * way).T
 
         return FrictionResponse((ratio * trial).T, slope)
 

