@@ -237,6 +237,11 @@ class Asked:
         self.balances = balance.raw.status is ConicStatus.SOLVED
         return motion if motion is not None else self._of_light_blocks(balance.force)
 
+    @property
+    def balance(self) -> Floats | None:
+        """Corner forces (k, 3) [N] that balance the loads, where there are some that are known."""
+        return None if self.nearest is None else self.problem.force(self.nearest.force)
+
     def _any_forces(self, problem: Problem) -> tuple[EquilibriumSolution, Floats | None]:
         """What a program finds to balance the loads; else the mechanism (n, 6), if it is found."""
         options = ConicOptions(gap=ANY_FORCES, time_limit_s=self.clock.left_s)

@@ -169,7 +169,11 @@ def _by_one_stiffness(
         first = asked.nearest is not None or (near is not None and problem.equilibrium_first)
         if first and asked.collapse is not None:
             return None
-        found = asked.attempt().from_nothing(falls=lambda: asked.collapse is not None)
+        found = asked.attempt().from_nothing(
+            falls=lambda: asked.collapse is not None,
+            # uniform springs say little of light blocks, which are followed by what they feel
+            balance=None if _has_light(asked) else lambda: asked.balance,
+        )
     asked.count(found)
     return found
 
@@ -315,9 +319,15 @@ def _by_what_blocks_feel(asked: Asked, uniform: Candidate) -> Candidate | None:
     return None
 
 
+def _has_light(asked: Asked) -> bool:
+    """Whether the load of a block is hardly any of the mean one."""
+    return bool(asked.problem.statics.load_size.min() < LIGHT)
+
+
 def _balance(asked: Asked, uniform: Candidate) -> Floats:
     """Corner forces (k, 3) [N] that balance the loads, where there are some."""
-    return uniform.force if asked.nearest is None else asked.problem.force(asked.nearest.force)
+    known = asked.balance
+    return uniform.force if known is None else known
 
 
 def _with_stiff_shear(
@@ -457,7 +467,7 @@ def _followed(asked: Asked, pool: WorkerPool, uniform: Candidate, spread: Model 
     hardly = asked.problem.unpressed.any()
     if hardly:  # a plug that hardly tapers presses more and more on a long way
         options = replace(options, fall=max(options.fall, SettlementOptions().fall))
-    light, felt = asked.problem.statics.load_size.min() < LIGHT, None
+    light, felt = _has_light(asked), None
     if light:
         felt = _balance(asked, uniform)
     model, workers = asked.problem.model, pool.executor

@@ -124,6 +124,17 @@ def test_a_path_that_does_not_converge_goes_over_longer_slips():
     assert not stands_for_all(Model.of(models.arch(0.107, 100), friction=0.8))
 
 
+def test_forces_that_balance_the_loads_lead_to_rest_where_the_path_does_not_converge():
+    """Part of a bridge, one block held: it need not be followed to be known to stand."""
+    bridge = Model.of(models.bridge(), friction=0.66)
+    names = ["block-2", *(f"block-{i}" for i in range(4, 10))]
+    supports = bridge.assembly.fixed.nonzero()[0].tolist()
+    part = bridge.with_supports([*supports, "block-9"]).subset([*supports, *names])
+    found = check(part)
+    assert (found.verdict, found.message, found.settlement) == (Verdict.STABLE, "stands", None)
+    assert found.residuals.largest < 1e-8
+
+
 @pytest.mark.parametrize("start", [np.zeros((3, 6)), np.full((len(ARCH), 6), np.nan)])
 def test_a_start_of_another_assembly_is_refused(start):
     with pytest.raises(InputError, match="start"):
