@@ -178,15 +178,21 @@ def with_thin_ground(assembly: Assembly) -> Assembly:
 
 def may_hold(spec: str, names: Sequence[str], bottom: Floats, top: Floats) -> Bools:
     """Mask (n,) of the shapes that a spec would fix, by their names and heights alone [m]."""
-    found = np.zeros(len(names), dtype=bool)
-    for part in [spec] if spec in names else [part.strip() for part in spec.split(",")]:
-        if part == "lowest":
-            found |= _lowest_of(bottom, top)
-        elif part.startswith("below:"):
-            found |= bottom <= length(part.removeprefix("below:"), "height")
-        else:
-            found |= np.array([name == part or fnmatchcase(name, part) for name in names])
-    return found
+    parts = _parts(spec, names)
+    return np.any([_held(part, names, bottom, top) for part in parts], axis=0)
+
+
+def _parts(spec: str, names: Sequence[str]) -> list[str]:
+    return [spec] if spec in names else [part.strip() for part in spec.split(",")]
+
+
+def _held(part: str, names: Sequence[str], bottom: Floats, top: Floats) -> Bools:
+    """Mask (n,) of what one part of a spec names."""
+    if part == "lowest":
+        return _lowest_of(bottom, top)
+    if part.startswith("below:"):
+        return bottom <= length(part.removeprefix("below:"), "height")
+    return np.array([name == part if part in names else fnmatchcase(name, part) for name in names])
 
 
 def select(
@@ -219,16 +225,13 @@ def select(
     >>> select(tower(3), "block-[12]").fixed.tolist()
     [False, True, True]
     """
+    bottom, top = heights(assembly, up)
     fixed = np.zeros(len(assembly), dtype=bool)
-    alone = spec in assembly.names
-    for part in [spec] if alone else [part.strip() for part in spec.split(",")]:
-        if part == "lowest":
-            fixed |= lowest(assembly, up)
-            fixed |= feet(assembly, joints, up)
-        elif part.startswith("below:"):
-            fixed |= _below(assembly, part.removeprefix("below:"), up)
-        else:
-            fixed |= _named(assembly, part)
+    for part in _parts(spec, assembly.names):
+        held = _held(part, assembly.names, bottom, top)
+        if not held.any():
+            raise _unknown(assembly, part, float(bottom.min()))
+        fixed |= held | feet(assembly, joints, up) if part == "lowest" else held
     return Assembly(assembly.blocks, fixed)
 
 
@@ -387,30 +390,16 @@ def _level(assembly: Assembly, bottom: Floats, up: Sequence[float]) -> Bools:
     return marked(faces.owner[down], len(assembly))
 
 
-def _below(assembly: Assembly, text: str, up: Sequence[float]) -> Bools:
-    level = length(text, "height")
-    bottom, _ = heights(assembly, up)
-    out: Bools = bottom <= level
-    if not out.any():
-        raise InputError(
+def _unknown(assembly: Assembly, part: str, least: float) -> InputError:
+    """Why a part of a spec names no block; the lowest corner is at a height [m]."""
+    what, remedy = "an empty name", meant(part, (*assembly.names, "lowest"))
+    if part.startswith("below:"):
+        level = length(part.removeprefix("below:"), "height")
+        what, remedy = (
             f"no block reaches down to {level:g} m",
-            where="supports",
-            remedy=f"the lowest corner is at {bottom.min():g} m",
+            f"the lowest corner is at {least:g} m",
         )
-    return out
-
-
-def _named(assembly: Assembly, part: str) -> Bools:
-    names = assembly.names
-    if part in names:
-        return np.array([name == part for name in names])
-    pattern = any(c in part for c in "*?[")
-    if pattern:
-        fits = np.array([fnmatchcase(name, part) for name in names])
-        if fits.any():
-            return fits
-    if not part:
-        what = "an empty name"
-    else:
+    elif part:
+        pattern = any(c in part for c in "*?[")
         what = f"no block fits '{part}'" if pattern else f"no block is called '{part}'"
-    raise InputError(what, where="supports", remedy=meant(part, (*names, "lowest")))
+    return InputError(what, where="supports", remedy=remedy)
