@@ -354,12 +354,13 @@ def _model(data: Field) -> tuple[Draft, list[str]]:
         if not name or given[name] > 1:
             name = f"{name or 'block'}-{key}"
         shape = _mesh(inside["geometry"], name)
-        vertices, mirrored = moved(np.asarray(shape.vertices), place.get(guid, np.eye(4)))
+        at = place.get(guid, np.eye(4))
+        vertices, faces = moved(np.asarray(shape.vertices), shape.faces, at)
         shapes.append(
             replace(
                 shape,
                 vertices=vertices,
-                faces=[loop[::-1] for loop in shape.faces] if mirrored else shape.faces,
+                faces=faces,
                 fixed=inside.get("is_support", False).boolean(),
                 density=densities.get(inside.get("material", "").text(), DEFAULT_DENSITY),
             )

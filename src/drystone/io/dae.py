@@ -56,10 +56,9 @@ def read(data: bytes, path: Path) -> Draft:
         points, faces = known[url]
         if not faces:
             continue
-        placed, mirrored = moved(points, matrix)
+        placed, loops = moved(points, faces, matrix)
         with np.errstate(all="ignore"):  # overflow is found with the vertices
             upright = placed @ turn.T
-        loops = [loop[::-1] for loop in faces] if mirrored else faces
         soups.append(FaceSoup(upright, loops, name, f"node '{name[:40]}'"))
     if not soups:
         raise FormatError(

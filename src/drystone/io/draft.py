@@ -339,14 +339,15 @@ def in_double(values: np.ndarray[Any, Any]) -> Floats:
         return values.astype(np.float64)
 
 
-def moved(vertices: Floats, matrix: Floats) -> tuple[Floats, bool]:
-    """Vertices (v, 3) moved by a matrix (4, 4), and whether the matrix mirrors them.
+def moved(vertices: Floats, faces: Sequence[Any], matrix: Floats) -> tuple[Floats, Sequence[Any]]:
+    """Vertices (v, 3) moved by a matrix (4, 4), and faces, turned round where it mirrors them.
 
     Overflow gives infinity or NaN; the caller refuses it with the name of the block.
     """
     with np.errstate(all="ignore"):
         placed = vertices @ matrix[:3, :3].T + matrix[:3, 3]
-        return placed, bool(np.linalg.det(matrix[:3, :3]) < 0.0)
+        mirrors = np.linalg.det(matrix[:3, :3]) < 0.0
+    return placed, [face[::-1] for face in faces] if mirrors else faces
 
 
 def shape_of(vertices: Floats, loops: Sequence[Loop], name: str, where: str) -> DraftBlock:

@@ -430,7 +430,7 @@ def _crosses(outline: Floats) -> bool:
 
 
 def _moved(points: Floats, matrix: Floats, where: str) -> Floats:
-    placed = moved(points, matrix)[0]
+    placed = moved(points, (), matrix)[0]
     if not (np.abs(placed) <= FARTHEST).all():
         raise FormatError("a point is too far away", where=where)
     return placed

@@ -68,13 +68,11 @@ def read(data: bytes, path: Path) -> Draft:
             unfolded.take(*map(len, known[index]))
         else:
             known[index] = _geometry(top, binary, mesh, unfolded)
-        vertices, faces = known[index]
-        vertices, mirrored = moved(vertices, matrix)
-        if mirrored:
-            faces = faces[:, ::-1]
+        vertices, triangles = known[index]
+        vertices, faces = moved(vertices, triangles.tolist(), matrix)
         where = f"node {number}"
         told[where] = ours
-        soups.append(FaceSoup(vertices, faces.tolist(), name, where, split=ours is None))
+        soups.append(FaceSoup(vertices, faces, name, where, split=ours is None))
     shapes, notes = shapes_of(soups, SAME, path)
     shapes = [_with_material(shape, told[shape.where]) for shape in shapes]
     shapes, renamed = named_apart(shapes)

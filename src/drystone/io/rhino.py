@@ -109,8 +109,7 @@ def _shapes(item: Field, number: int, path: Path) -> tuple[list[DraftBlock], lis
     metadata = told.metadata | ({"layer": item["layer"].text()} if layer else {})
     shapes = []
     for one in made:
-        points, mirrored = moved(np.asarray(one.vertices), placed)
-        turned = [loop[::-1] for loop in one.faces] if mirrored else one.faces
+        points, turned = moved(np.asarray(one.vertices), one.faces, placed)
         shapes.append(DraftBlock(one.name, points, turned, where, told.density, fixed, metadata))
     return shapes, notes
 

@@ -188,8 +188,7 @@ def volume_of(vertices: Floats, faces: Sequence[Loop]) -> float:
 
 def placed(part: Part, pose: Floats) -> Part:
     """A part moved by a pose (4, 4)."""
-    point, mirrored = moved(part[0], pose)
-    return point, [tuple(face)[::-1] for face in part[1]] if mirrored else part[1]
+    return moved(*part, pose)
 
 
 def box_part(half: Floats) -> Part:
