@@ -17,11 +17,11 @@ from drystone.detection.candidates import Pairs, most_slack, near_blocks
 from drystone.detection.contact_report import ContactReport
 from drystone.detection.edgecontacts import edge_contacts
 from drystone.detection.face_overlaps import Overlap, block_overlaps
-from drystone.detection.inexact_joints import Joined, join_inexact, strips
+from drystone.detection.inexact_joints import join_inexact, strips
 from drystone.detection.interfaces import Interfaces, joined
-from drystone.detection.misses import Shortfall, edge_misses, face_contacts, shortfalls
+from drystone.detection.misses import Inexact, edge_misses, face_contacts, shortfalls
 from drystone.detection.patches import Patches, patches_of
-from drystone.detection.resample import Resampled, resample
+from drystone.detection.resample import resample
 from drystone.detection.tolerances import DetectionOptions, EdgeContacts, Missed
 from drystone.geometry.soup import separate_parts
 
@@ -102,7 +102,7 @@ def find_contacts(
     by_edge = set(zip(lines.block_a.tolist(), lines.block_b.tolist(), strict=True))
     told = [m for m in missed if not (np.isnan(m.needed) or m.farther(options.search))]
     named = by_edge | {(miss.block_a, miss.block_b) for miss in told}
-    named |= {(int(a), int(b)) for a, b in undirected}
+    named |= set(map(tuple, undirected.tolist()))
     missed = [
         replace(miss, joined=miss.joined or (miss.block_a, miss.block_b) in by_edge)
         for miss in missed
@@ -111,21 +111,35 @@ def find_contacts(
     plane = found.area > 0.0
     together = found.block_a[plane] * len(assembly) + found.block_b[plane]
     deep = _overlaps(assembly, patches, pairs, together, options)
-    joining = Joined(found, (), missed)
-    if options.inexact:
-        joining = join_inexact(assembly, patches, found, missed, deep, options)
-    named |= {(pair.block_a, pair.block_b) for pair in joining.inexact}
     facing = [m.block_a * len(assembly) + m.block_b for m in missed]
+    inexact: list[Inexact] = []
+    if options.inexact:
+        found, inexact, missed = join_inexact(assembly, patches, found, missed, deep, options)
+    named |= {(pair.block_a, pair.block_b) for pair in inexact}
     beyond, open_ones = edge_misses(assembly, patches, _less(near, named), facing, options)
-    undirected = np.concatenate([undirected, open_ones])
-    joining = replace(joining, missed=[*joining.missed, *beyond])
-    short = shortfalls(patches, compared, joining.found, options)
-    found, fewer = resample(joining.found, options.curve)
-    joining = replace(joining, found=found)
-    return Detection(
-        found.contacts(patches.origin, friction),
-        _report(assembly, patches, joining, fewer, deep, short, undirected, options),
+    short = shortfalls(patches, compared, found, options)
+    found, fewer = resample(found, options.curve)
+    parted: dict[bool, list[Missed]] = {False: [], True: []}
+    for miss in (*missed, *beyond):
+        parted[miss.farther(options.search)].append(miss)
+    touched = np.zeros(len(assembly), dtype=bool)
+    touched[found.block_a] = touched[found.block_b] = True
+    report = ContactReport(
+        names=assembly.names,
+        options=options,
+        interfaces=found,
+        resampled=fewer,
+        missed=tuple(parted[False]),
+        farther=(*parted[True], *strips(found, len(assembly))),
+        inexact=tuple(inexact),
+        shortfalls=short,
+        undirected=tuple(zip(*np.concatenate([undirected, open_ones]).T.tolist(), strict=True)),
+        isolated=tuple(np.flatnonzero(~touched).tolist()),
+        overlaps=deep,
+        parts=_parts(assembly, patches),
+        repairs=_repairs(assembly),
     )
+    return Detection(found.contacts(patches.origin, friction), report)
 
 
 def _pairs_for_edges(
@@ -152,40 +166,9 @@ def _less(pairs: Pairs, known: set[tuple[int, int]]) -> Pairs:
     return a[keep], b[keep]
 
 
-def _report(
-    assembly: Assembly,
-    patches: Patches,
-    joining: Joined,
-    fewer: tuple[Resampled, ...],
-    deep: tuple[Overlap, ...],
-    short: tuple[Shortfall, ...],
-    undirected: Ints,
-    options: DetectionOptions,
-) -> ContactReport:
-    found = joining.found
-    parted: dict[bool, list[Missed]] = {False: [], True: []}
-    for miss in joining.missed:
-        parted[miss.farther(options.search)].append(miss)
-    parted[True] += strips(found, len(assembly))
-    touched = np.zeros(len(assembly), dtype=bool)
-    touched[found.block_a] = touched[found.block_b] = True
-    return ContactReport(
-        names=assembly.names,
-        options=options,
-        interfaces=found,
-        resampled=fewer,
-        missed=tuple(parted[False]),
-        farther=tuple(parted[True]),
-        inexact=joining.inexact,
-        shortfalls=short,
-        undirected=tuple((a, b) for a, b in undirected.tolist()),
-        isolated=tuple(np.flatnonzero(~touched).tolist()),
-        overlaps=deep,
-        parts=_parts(assembly, patches),
-        repairs=tuple(
-            (i, what) for i, block in enumerate(assembly.blocks) for what in block.repairs
-        ),
-    )
+def _repairs(assembly: Assembly) -> tuple[tuple[int, str], ...]:
+    """Per repaired block its position and the repair."""
+    return tuple((i, what) for i, block in enumerate(assembly.blocks) for what in block.repairs)
 
 
 def find_overlaps(

@@ -8,7 +8,7 @@ its blocks, or nearly all joints of the drawing, show that it is off by as much.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -25,7 +25,14 @@ from drystone.detection.face_overlaps import (
     within,
 )
 from drystone.detection.interfaces import Interfaces, from_pieces, joined
-from drystone.detection.misses import EXPLAINED, Error, Inexact, compared, missed_of
+from drystone.detection.misses import (
+    EXPLAINED,
+    Error,
+    Inexact,
+    compared,
+    inexact_pairs,
+    missed_of,
+)
 from drystone.detection.mortar_joints import join_by_mortar, join_warped
 from drystone.detection.patches import EXACT, Patches
 from drystone.detection.planes import NEGLIGIBLE, uncovered
@@ -45,23 +52,6 @@ ALIKE = 0.9
 where two edges have passed each other it is zero, and nobody can say which face is meant."""
 
 
-@dataclass(frozen=True)
-class Joined:
-    """What was found with the joints that are added.
-
-    Attributes
-    ----------
-    found
-    inexact
-    missed
-        What is still not joined, with the joints that are within tolerance on a part only.
-    """
-
-    found: Interfaces
-    inexact: tuple[Inexact, ...]
-    missed: list[Missed]
-
-
 def join_inexact(
     assembly: Assembly,
     patches: Patches,
@@ -69,7 +59,7 @@ def join_inexact(
     missed: Sequence[Missed],
     overlapping: Sequence[Overlap],
     options: DetectionOptions,
-) -> Joined:
+) -> tuple[Interfaces, list[Inexact], list[Missed]]:
     """Join pairs of blocks that overlap a little, and those as little apart.
 
     Nothing is done unless pairs overlap, are within tolerance on a part only, or miss each other
@@ -81,17 +71,21 @@ def join_inexact(
         Interfaces within the tolerances.
     missed, overlapping
         What the search found besides.
+
+    Returns
+    -------
+    found
+        With the joints that are added.
+    inexact
+    missed
+        What is still not joined, with the joints that are within tolerance on a part only.
     """
-    count = len(patches.size)
-    known = found
     found, fans = join_warped(assembly, patches, found, missed, options)
     found, near, partly = _join_near(assembly, patches, found, missed, overlapping, options)
     found, mortar = join_by_mortar(patches, found, options)
     told = [*fans, *near, *mortar]
-    if not told:
-        return Joined(known, (), [*missed, *partly])
     found = found.ordered()
-    return Joined(found, tuple(told), [*_left(missed, told, found, count), *partly])
+    return found, told, [*_left(missed, told, found, len(patches.size)), *partly]
 
 
 def _join_near(
@@ -203,9 +197,10 @@ def _faces(
     changed = np.unique(pair[near.row[of_row[near.row]]])
     near = near.select(np.isin(pair[near.row], changed))
     new = from_pieces(patches, planes, near, checked.partial & ~of_row)
+    again = np.isin(pair[row], changed)
     inexact = [
-        *_told(pair, row, deep, changed, np.maximum(-least, 0.0), Error.OVERLAP, count),
-        *_told(pair, row, loose, changed, most, Error.GAP, count),
+        *inexact_pairs(pair[row], deep & again, np.maximum(-least, 0.0), Error.OVERLAP, count),
+        *inexact_pairs(pair[row], loose & again, most, Error.GAP, count),
     ]
     clipped = good & checked.accepted & checked.partial[row] & ~np.isin(pair[row], changed)
     reach = reach_of_patches(patches, planes.f, planes.g, options, NEAR_BESIDE)
@@ -287,17 +282,6 @@ def _covered(patches: Patches, found: Interfaces, keys: Ints) -> Floats:
     np.add.at(covered, patches.of_faces(other.block_a, other.face_a), other.area)
     np.add.at(covered, patches.of_faces(other.block_b, other.face_b), other.area)
     return covered
-
-
-def _told(
-    pair: Ints, row: Ints, pieces: Bools, changed: Ints, off: Floats, error: Error, count: int
-) -> list[Inexact]:
-    """The largest error of each pair that is joined for one error."""
-    worst: dict[int, float] = {}
-    for key, value in zip(pair[row[pieces]].tolist(), off[pieces].tolist(), strict=True):
-        worst[key] = max(value, worst.get(key, 0.0))
-    known = set(changed.tolist())
-    return [Inexact(*divmod(k, count), error, v) for k, v in worst.items() if k in known]
 
 
 def _lines(

@@ -273,6 +273,14 @@ class Inexact(OneLine):
     off: float
 
 
+def inexact_pairs(pair: Ints, which: Bools, off: Floats, error: Error, count: int) -> list[Inexact]:
+    """The largest error of each pair, as ``a * count + b``, of some pieces (s,) that are joined."""
+    worst: dict[int, float] = {}
+    for key, value in zip(pair[which].tolist(), off[which].tolist(), strict=True):
+        worst[key] = max(value, worst.get(key, 0.0))
+    return [Inexact(*divmod(key, count), error, value) for key, value in worst.items()]
+
+
 _WORDS = {
     Error.OVERLAP: (
         "is drawn {off} mm deep into each other and joined on the plane halfway",

@@ -19,7 +19,7 @@ from drystone.base.ragged import Ragged, first_linked
 from drystone.detection.candidates import facing_patches, near_blocks
 from drystone.detection.face_overlaps import negligible, projections
 from drystone.detection.interfaces import Interfaces, from_pieces, joined
-from drystone.detection.misses import Error, Inexact, compared, face_contacts
+from drystone.detection.misses import Error, Inexact, compared, face_contacts, inexact_pairs
 from drystone.detection.patches import EXACT, Patches, patches_of
 from drystone.detection.planes import NEGLIGIBLE, Pieces, Planes, tidy, uncovered
 from drystone.detection.tolerances import DetectionOptions, Missed, Reason
@@ -67,11 +67,7 @@ def join_by_mortar(
     whole = np.zeros(len(planes.f), dtype=bool)
     spread = _spread(patches, planes, pieces.select(alike), 0.5 * float(np.median(gap[alike])))
     new = from_pieces(patches, planes, spread, whole)
-    told: dict[int, float] = {}
-    for key, off in zip(pair[alike].tolist(), gap[alike].tolist(), strict=True):
-        told[key] = max(off, told.get(key, 0.0))
-    inexact = [Inexact(*divmod(key, count), Error.MORTAR, off) for key, off in told.items()]
-    return joined([found, new]), inexact
+    return joined([found, new]), inexact_pairs(pair, alike, gap, Error.MORTAR, count)
 
 
 def _spread(patches: Patches, planes: Planes, pieces: Pieces, by: float) -> Pieces:
