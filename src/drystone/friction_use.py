@@ -5,11 +5,21 @@ A dry face bears the torque that friction resists under a linear pressure that d
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from drystone.base.arrays import ROUNDING, Bools, Floats, Ints, dot, frozen, lengths, plane_cross
+from drystone.base.arrays import (
+    ROUNDING,
+    Bools,
+    Floats,
+    Ints,
+    cross,
+    dot,
+    frozen,
+    lengths,
+    plane_cross,
+)
 from drystone.base.ragged import Ragged
 from drystone.contacts import Contacts
 from drystone.geometry.kern import Sections, edge_ratio, linear_pressure
@@ -17,6 +27,9 @@ from drystone.geometry.quadrature import FacePoints, cut_face_points
 from drystone.geometry.slipping import Slip, clipped, slip_use
 from drystone.joints import Resultants, bearable
 from drystone.virtual import JointSections, joint_sections
+
+LINE = 2e-4
+"""Width of a line as a face, by its length. So it is about as stiff as its two corners."""
 
 TWISTED = 1e-3
 """A smaller torque, by the friction of a face times the root of its area, is not counted."""
@@ -41,14 +54,34 @@ def utilisation_of(contacts: Contacts, resultants: Resultants) -> Floats:
     """Force and torque in the plane by the largest that it can bear (m,); infinite for none.
 
     A dry face bears the torque that friction resists under a linear pressure that does not pull.
-    Above 1 it needs forces at its corners, which resist more. Lines and points bear forces only.
+    Above 1 it needs forces at its corners, which resist more. A line is a narrow face; points bear
+    forces only.
     """
     used = sliding_use(contacts, resultants).copy()
+    contacts = lines_as_faces(contacts)
     which = np.flatnonzero(twisted(contacts, resultants))
     if len(which):
         faces = PressedFaces.of(contacts, resultants, which, joint_sections(contacts))
         used[which] = np.maximum(used[which], faces.slip(contacts, resultants).use)
     return frozen(used)
+
+
+def lines_as_faces(contacts: Contacts) -> Contacts:
+    """The same interfaces, of which dry lines are narrow faces of four corners."""
+    lines = (contacts.corners.counts == 2) & (contacts.area == 0.0) & contacts.dry
+    if not lines.any():
+        return contacts
+    which = np.flatnonzero(lines)
+    start, end = contacts.point[contacts.start[which]], contacts.point[contacts.start[which] + 1]
+    across = 0.5 * LINE * cross(contacts.frame[which, 0], end - start)
+    corners = np.stack([start - across, end - across, end + across, start + across], axis=1)
+    others = ~lines[contacts.interface]
+    interface = np.concatenate([contacts.interface[others], which.repeat(4)])
+    point = np.concatenate([contacts.point[others], corners.reshape(-1, 3)])
+    order = np.argsort(interface, kind="stable")
+    area = contacts.area.copy()
+    area[which] = LINE * lengths(end - start) ** 2
+    return replace(contacts, area=area, point=point[order], interface=interface[order])
 
 
 def twisted(contacts: Contacts, resultants: Resultants) -> Bools:
@@ -146,6 +179,7 @@ def spread_where_turned(
     no more than the sum. Faces that stay are first; with it come which corners (k,) these are,
     and the forces (p, 3) [N] of the others as if each pressed evenly, local n, u, v.
     """
+    given, contacts = contacts, lines_as_faces(contacts)
     turns = np.flatnonzero(twisted(contacts, resultants))
     if not len(turns):
         return None
@@ -179,8 +213,8 @@ def spread_where_turned(
     points = pressed.points(wanted, slip.pole)
     owner = turns[which[wanted]][points.loops.owner]
     away = np.einsum("pi,pij->pj", points.place, contacts.frame[owner, 1:])
-    spread = contacts.with_points(owner, resultants.position[owner] + away, points.area)
+    spread = given.with_points(owner, resultants.position[owner] + away, points.area)
     stays = np.isin(np.arange(contacts.count), owner, invert=True)
     share = points.area / np.bincount(owner, points.area, contacts.count)[owner]
     force = np.einsum("pij,pj->pi", contacts.frame[owner], resultants.force[owner])
-    return spread, stays[contacts.interface], share[:, None] * force
+    return spread, stays[given.interface], share[:, None] * force

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from drystone import Assembly, Block, CheckOptions, LoadCase, Model, Result, check, limits
-from drystone.models import dome, prism, tower, wall
+from drystone.models import box, dome, prism, tower, wall
 from drystone.results import Sensitivity, Verdict
 
 FRICTION = 0.5
@@ -97,6 +97,25 @@ def test_a_disc_of_24_sides() -> None:
     arm = apothem / 3.0 * (1.0 / np.cos(half) + np.arcsinh(tangent) / tangent)
     assert arm == pytest.approx(2.0 / 3.0 * radius, rel=0.01)
     holds_up_to(model, TORQUE, FRICTION * weight(model) * arm)
+
+
+def test_a_block_turns_on_two_ridges() -> None:
+    """Pressure along each line resists with half of what its ends would."""
+    ridges = [
+        prism([(x, 0.0), (x - 0.2, -0.2), (x + 0.2, -0.2)], (0.0, 1.0), f"ridge {x}")
+        for x in (0.45, 0.55)
+    ]
+    block = box((1.0, 1.2, 0.2), (0.0, -0.1, 0.0), "block")
+    model = Model.of(Assembly((*ridges, block)).with_fixed([0, 1]), friction=FRICTION)
+    arm = np.hypot(np.linspace(-0.5, 0.5, 100_001), 0.05).mean()
+    limit = FRICTION * float(-model.load.wrench[-1, 2] * arm)
+    turn = np.array([0.0, 0.0, 0.0, 0.0, 0.0, limit])
+    robust, sensitive = (asked(loaded(model, share * turn)) for share in (0.98, 1.03))
+    assert robust.stable
+    assert not robust.sensitive
+    assert sensitive.stable
+    assert sensitive.sensitive_to == (Sensitivity.PRESSURE,)
+    assert sensitive.utilisation.max() > 1.0
 
 
 def test_a_ring() -> None:

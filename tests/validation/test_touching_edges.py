@@ -394,3 +394,33 @@ def test_reciprocal_frames_and_card_houses_need_the_friction_that_a_simulator_co
     found = check(build(), friction=share * least)
     assert found.stable is (share > 1.0)
     assert found.falls is (share < 1.0)
+
+
+@pytest.mark.parametrize(
+    ("higher", "verdict"),
+    [(-1e-3, Verdict.STABLE), (0.0, Verdict.UNDECIDED), (1e-3, Verdict.UNSTABLE)],
+)
+def test_edges_that_meet_are_held_against_both_ends_of_their_directions(
+    higher: float, verdict: Verdict
+) -> None:
+    """A slab on the upper edge of a wall: a lower one presses across, a higher one level."""
+    block = slab(60.0)
+    edge = block.vertices[block.vertices[:, 0].argmax()]
+    wall = box((1.0, 4.0, edge[2] + higher), (edge[0], -2.0, 0.0), "wall")
+    if higher < 0.0:
+        wall = wall.transformed(translation=(higher / np.tan(np.deg2rad(60.0)), 0.0, 0.0))
+    found = check(Assembly((FLOOR, wall, block)).with_fixed([0, 1]), friction=0.21)
+    assert found.verdict is verdict
+    if verdict is Verdict.UNDECIDED:
+        assert "parallel edges of 'wall' and 'slab' meet" in found.message
+
+
+def test_near_pairs_that_are_tried_rub_as_the_joints_do() -> None:
+    """A slab on pebbles slides from 31 degrees on, were the floor below it touched or not."""
+    pebbles = [
+        box((0.2, 0.2, 0.1), (x, y, 0.0), f"pebble {x} {y}") for x, y in ((-0.9, -0.9), (0.7, 0.0))
+    ]
+    above = box((2.0, 2.0, 0.5), (-1.0, -1.0, 0.1), "slab")
+    model = Model.of(Assembly((FLOOR, *pebbles, above)).with_fixed([0]), friction=0.6)
+    steep = check(model.with_load(LoadCase.tilt(model.assembly, (1.0, 0.0, 0.0), 33.0)))
+    assert steep.verdict is Verdict.UNSTABLE

@@ -79,7 +79,8 @@ def _corners(model: Model, moving: Bools) -> Ints:
 def _with_all_held(model: Model, near: list[Missed], meet: Ints) -> Model:
     """The model whose near pairs touch, and whose corners that meet (u, 2) are held."""
     corners = [Missed.overlap(a, b, 0.0, joined=False) for a, b in meet.tolist()]
-    most = float(model.contacts.friction.max(initial=1.0))  # none may be known: more than stone has
+    friction = model.contacts.friction
+    most = float(friction.max()) if len(friction) else 1.0  # none is known: more than stone has
     more = contacts_if_joined([*near, *corners], model.assembly.bounds, most)
     contacts = joined_contacts(model.contacts, more)
     return replace(model, contacts=contacts, unjoined=(), report=None if near else model.report)
@@ -120,11 +121,15 @@ def _unless_edges_hold(found: Result, moving: Bools, check: Callable[[Model], Re
             return check(with_edges(model, edges.contacts(turn, friction)))
 
         middle = pressed(straight)
-        if middle.verdict is Verdict.UNSTABLE or all(
-            pressed(end).verdict is middle.verdict for end in (turned, -turned)
-        ):
-            return middle
-        return _undecided(found, np.stack([edges.block_a, edges.block_b], axis=1), "parallel edges")
+        for end in (turned, -turned):
+            if middle.verdict is Verdict.UNSTABLE and _moves(
+                model, edges.contacts(end, friction), middle.mechanism
+            ):
+                continue
+            if pressed(end).verdict is not middle.verdict:
+                pairs = np.stack([edges.block_a, edges.block_b], axis=1)
+                return _undecided(found, pairs, "parallel edges")
+        return middle
     return found
 
 
@@ -141,10 +146,15 @@ def _with_lines(found: Result, more: Contacts, moving: Bools) -> Model | None:
     if not some.any():
         return None
     more = more.select(some)
-    model, motion = found.model, found.mechanism
+    model = found.model
     more = more.with_friction(least_friction(model, more))
+    return None if _moves(model, more, found.mechanism) else with_edges(model, more)
+
+
+def _moves(model: Model, more: Contacts, motion: Floats | None) -> bool:
+    """Whether a motion (n, 6) of the blocks is free beside some contacts."""
     free = motion is not None and mechanism_defects(model.with_contacts(more), motion)
-    return None if free and free[0] <= MECHANISM_TOLERANCE else with_edges(model, more)
+    return bool(free and free[0] <= MECHANISM_TOLERANCE)
 
 
 def _undecided(found: Result, pairs: Ints, what: str) -> Result:
