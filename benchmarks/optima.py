@@ -297,14 +297,6 @@ def gradient() -> tuple[str, str, str, str]:
     return some, f"{times[1] / times[0]:.2f}", "at most 2", ""
 
 
-def tilt() -> tuple[str, str, str, str]:
-    """The largest tilt of an arch with its vertices free, within 30 mm."""
-    model = Model.of(arch(0.2, 12), friction=0.8)
-    moves = free_vertices(model, 0.03, mirror="x")
-    found = shape(model, moves, options=ShapeOptions(aim="tilt"))
-    return f"{found.first:.1f} degrees", f"{found.value:.1f} degrees", "", again(found)
-
-
 def margin() -> tuple[str, str, str, str]:
     """Least thickness of an arch that stands tilted by 3 degrees."""
     options = ShapeOptions(aim="volume", margin=DesignMargin(tilt=3.0))
@@ -324,7 +316,6 @@ CASES: dict[str, Callable[[], tuple[str, str, str, str]]] = {
     "hundred": hundred,
     "lighter": lighter,
     "gradient": gradient,
-    "tilt": tilt,
     "margin": margin,
 }
 

@@ -40,7 +40,7 @@ class Support(enum.Enum):
 
 @dataclass(frozen=True)
 class ScaffoldOptions(Options):
-    """What scaffolding may bear, and what it costs.
+    """What scaffolding may bear.
 
     Attributes
     ----------
@@ -58,10 +58,6 @@ class ScaffoldOptions(Options):
         first that a strut meets on its way down, else the ground.
     longest : [m] > 0
         Length of the longest strut (no limit).
-    stage_cost : >= 0
-        Of a metre for one stage. A clamp counts as one metre.
-    move_cost : >= 0
-        Of setting up what holds one block, once.
     """
 
     limit: float = float("inf")
@@ -70,8 +66,6 @@ class ScaffoldOptions(Options):
     clear: float = 1.0
     foot: str | None = None
     longest: float = float("inf")
-    stage_cost: float = 1.0
-    move_cost: float = 1.0
 
 
 def items_of(

@@ -103,7 +103,7 @@ class Scaffolding(Answer):
     moves
         How often what holds a block is set up.
     cost
-        ``stage_cost * metre_stages + move_cost * moves``.
+        ``metre_stages + moves``. A clamp counts as a metre.
     items
         Everything that is set up, block by block.
     failed
@@ -311,7 +311,7 @@ def scaffolding(
         metres,
         max((row.peak_force for row in rows if row.peak_force == row.peak_force), default=0.0),
         moves,
-        stages.options.stage_cost * metres + stages.options.move_cost * moves,
+        metres + moves,
         tuple(item for prop in plan.props for item in stages.items(prop.block)),
         tuple(sorted(failed)),
         _staying(stages, plan.steps[-1].placed, mask_of(stay), clock) if stay else "",
