@@ -79,10 +79,8 @@ def mend(given: Given, *, options: MendOptions | None = None, **how: Unpack[Long
             stands = chosen.margin.meets(result)
             if stands or len(steps) == _ROUNDS or clock.late():
                 break
-            found = find_mends(
-                model, options=chosen, regions=1, besides=passed, result=result,
-                executor=pool.executor, progress=clock.progress, stop=clock.late,
-            )  # fmt: skip
+            how = {"executor": pool.executor, "progress": clock.progress, "stop": clock.late}
+            found = _found(model, chosen, Clock.of(how), list, 1, passed, result)
             passed |= _hopeless(found)
             if found.mends:
                 best = found.mends[0]
@@ -555,9 +553,27 @@ def find_mends(
     InputError
         What was given cannot be made into a model, or a block to keep does not exist.
     """
-    chosen = MendOptions.of(options)
-    clock = Clock.of(how)
-    model = as_model(given, **how)
+    chosen, clock, tell_one = MendOptions.of(options), Clock.of(how), found_one or bool
+
+    def told(made: list[Changed]) -> list[Changed]:
+        new = _with_margin(made, clock.late)
+        for one in new:
+            tell_one(one)
+        return new
+
+    return _found(as_model(given, **how), chosen, clock, told, regions, besides, result)
+
+
+def _found(
+    model: Model,
+    chosen: MendOptions,
+    clock: Clock,
+    told: Callable[[list[Changed]], list[Changed]],
+    regions: int | None,
+    besides: Collection[frozenset[str]],
+    result: Result | None,
+) -> Mends:
+    """As :func:`find_mends`, with ``told`` of the mends of each kind."""
     keep = kept_blocks(model, chosen.keep)
     carried = ""
     if result is None:
@@ -567,7 +583,6 @@ def find_mends(
     message = carried if message and carried else message
     if message:
         return Mends(found, message=message, case=case)
-    tell_one = found_one or bool
     mends: list[Changed] = []
     tried: list[tuple[tuple[str, ...], Tried]] = []
     mended = 0
@@ -586,11 +601,8 @@ def find_mends(
             own: list[Changed] = []
             several = pool.answers(task, chosen.kinds, clock.late)
             for done, (made, failed) in enumerate(several, 1):
-                new = _with_margin(made, clock.late)
-                own += new
+                own += told(made)
                 tried += [(names, one) for one in failed]
-                for one in new:
-                    tell_one(one)
                 clock.tell(f"mends of region {number}", done, len(chosen.kinds))
             mended += bool(own)
             mends += sorted(own, key=partial(_rank, chosen.margin))
