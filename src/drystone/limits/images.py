@@ -1,4 +1,7 @@
-"""Whether a structure is its own image: it then tilts alike about an axis and about its image."""
+"""Whether a structure is its own image: it then tilts alike about an axis and about its image.
+
+And a part of it stands where its image does.
+"""
 
 from __future__ import annotations
 
@@ -38,15 +41,25 @@ def _tilts_alike(model: Model, one: Floats, other: Floats) -> bool:
 
     A mirror turns it the other way as well.
     """
-    if model.contacts.capacity is not None or not is_vertical(model.load):
-        return False
     ways = (turn for turn in _TURNS if np.array_equal(np.linalg.det(turn) * turn @ one, other))
-    return any(_is_own_image(model, turn) for turn in ways)
+    return any(_own_image(model, turn) is not None for turn in ways)
 
 
-def _is_own_image(model: Model, turn: Floats) -> bool:
-    """Whether blocks, loads and corners lie on others of their kind after a turn (3, 3)."""
+def own_images(model: Model) -> list[Ints]:
+    """Where each block (n,) goes by the turns and mirrors that make a structure itself."""
+    found = (_own_image(model, turn) for turn in _TURNS)
+    every = {image.tobytes(): image for image in found if image is not None}
+    return [image for image in every.values() if (np.diff(image) != 1).any()]
+
+
+def _own_image(model: Model, turn: Floats) -> Ints | None:
+    """Where each block (n,) goes by a turn (3, 3).
+
+    None where blocks, loads and corners do not all lie on others of their kind then.
+    """
     assembly, contacts = model.assembly, model.contacts
+    if contacts.capacity is not None or not is_vertical(model.load):
+        return None
     size, middle = float(assembly.size.mean()), assembly.centroid.mean(axis=0)
 
     def image(place: Floats, before: Floats, after: Floats) -> Ints | None:
@@ -64,11 +77,11 @@ def _is_own_image(model: Model, turn: Floats) -> bool:
     kind = np.stack([weight, assembly.fixed], axis=1)
     block = image(assembly.centroid, kind, kind)
     if block is None:
-        return False
+        return None
     owner = assembly.faces.owner
     shape = np.stack([owner, block[owner]])[:, :, None].astype(np.float64)
     if image(assembly.faces.middles, *shape) is None:
-        return False
+        return None
     joint = contacts.interface
     pair = contacts.corner_blocks
     normal = contacts.frame[joint, 0]
@@ -79,4 +92,4 @@ def _is_own_image(model: Model, turn: Floats) -> bool:
         return np.hstack([np.sort(pair, axis=0).T, way * normal, contacts.friction[joint, None]])
 
     before, after = kinds(pair, normal), kinds(block[pair], normal @ turn.T)
-    return image(contacts.point, before, after) is not None
+    return None if image(contacts.point, before, after) is None else block

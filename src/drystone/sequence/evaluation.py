@@ -20,7 +20,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from drystone.base.arrays import Floats
+from drystone.base.arrays import Floats, Ints
 from drystone.base.display import OneLine
 from drystone.base.files import PathLike
 from drystone.base.journal import Journal, exactly
@@ -30,6 +30,7 @@ from drystone.base.workers import ExecutorFactory, WorkerPool
 from drystone.checks import block_speed, closing
 from drystone.formulations.nearest_mechanism import STILL
 from drystone.io.opening import content_of
+from drystone.limits.images import own_images
 from drystone.model import Model
 from drystone.results import Verdict
 from drystone.sequence.solving import PartSolver, combined
@@ -81,6 +82,17 @@ class Fall(OneLine):
         power = sum(self.power[b] for b in blocks)
         return power > FALLING_SHARE * sum(self.gross[b] for b in blocks)
 
+    def at(self, image: Ints) -> Fall:
+        """The same of the blocks where each one (n,) goes in an image of the structure."""
+        power, gross = ({int(image[b]): of[b] for b in of} for of in (self.power, self.gross))
+        stopped = sorted(_there(image, pair) for pair in self.stopped)
+        return Fall(_there(image, self.moving), tuple(stopped), power, gross)
+
+
+def _there(image: Ints, blocks: int) -> int:
+    """The set of the blocks where some go."""
+    return mask_of(image[list(members(blocks))])
+
 
 class KnownFalls(OneLine):
     """The falls of one model. Joints that pull or cohere may resist, so there nothing is kept."""
@@ -88,6 +100,11 @@ class KnownFalls(OneLine):
     def __init__(self, model: StagedModel) -> None:
         self.model = model
         self._kept: dict[tuple[int, tuple[int, ...]], Fall] = {}
+
+    @functools.cached_property
+    def images(self) -> list[Ints]:
+        """Where each block (n,) goes by the turns and mirrors that make the structure itself."""
+        return own_images(self.model.model)
 
     def add(self, part: Stage, motion: Floats) -> None:
         """Keep the mechanism (b, 6) [m, rad] of the moving blocks of a part that falls.
@@ -105,7 +122,8 @@ class KnownFalls(OneLine):
             alone[list(members(group.placed))] = every[list(members(group.placed))]
             found = self._fall(group.placed, alone)
             if found.proves(part):
-                self._kept.setdefault((found.moving, found.stopped), found)
+                for one in (found, *map(found.at, self.images)):
+                    self._kept.setdefault((one.moving, one.stopped), one)
 
     def _fall(self, moving: int, motion: Floats) -> Fall:
         contacts, free = self.model.contacts, self.model.assembly.free
@@ -134,6 +152,8 @@ class KnownFalls(OneLine):
         return found
 
 
+_OF_IMAGE = "its image falls: "
+
 _Job: TypeAlias = tuple[Stage, Floats | None, Candidate | None]
 """A part, and its known rest states: of similar stages, and with uniform stiffness."""
 
@@ -153,8 +173,8 @@ class Evaluator(OneLine):
         Called before parts are checked; True ends the work.
     learns
         Whether checks begin at the rest state of the nearest part that was asked before, and
-        mechanisms prove other parts to fall. What was asked before then changes forces, and which
-        blocks fall, but no verdict.
+        mechanisms and images prove other parts to fall. What was asked before then changes forces,
+        and which blocks fall, but no verdict.
     kept
         Largest number of parts whose answers are kept, those asked last.
 
@@ -278,10 +298,9 @@ class Evaluator(OneLine):
         key = part._replace(near=None)
         if enough(self._known.get(key) if checked else self._find(part)):
             return False
-        falling = 0 if self._falls is None else self._falls.falling(part)
-        if falling:
-            answer = StageAnswer(Verdict.UNSTABLE, UNBALANCED, tuple(members(falling)))
-            self._keep(key._replace(quick=False), answer)
+        fallen = self._fallen(part)
+        if fallen is not None:
+            self._keep(key._replace(quick=False), fallen)
             return False
         self.asked += 1
         early = self._early.get(part, self._early.get(key))
@@ -292,6 +311,21 @@ class Evaluator(OneLine):
         else:
             self._keep(key, early)
         return False
+
+    def _fallen(self, part: Stage) -> StageAnswer | None:
+        """The answer of a part that falls by a known mechanism, or whose image falls."""
+        if self._falls is None:
+            return None
+        falling = self._falls.falling(part)
+        if falling:
+            return StageAnswer(Verdict.UNSTABLE, UNBALANCED, tuple(members(falling)))
+        for image in self._falls.images:
+            found = self._known.get(Stage(_there(image, part.placed), _there(image, part.held)))
+            if found is not None and found.verdict is Verdict.UNSTABLE:
+                blocks = np.flatnonzero(np.isin(image, found.falling)).tolist()
+                message = found.message.removeprefix(_OF_IMAGE)
+                return StageAnswer(Verdict.UNSTABLE, f"{_OF_IMAGE}{message}", tuple(blocks))
+        return None
 
     def _solve(self, missing: Sequence[Stage], ahead: Sequence[Stage], pool: WorkerPool) -> None:
         """Compute parts, and where there are workers others too, which are kept until asked for."""

@@ -9,6 +9,8 @@ import pytest
 import drystone
 from drystone import InputError, Model, Structure, Verdict, check
 from drystone.models import arch, bridge, corbelled_wall, tower, wall
+from drystone.sequence import Evaluator, Stage, StagedModel
+from drystone.sequence.stages import mask_of
 
 
 def orders(model: Model, seed: int, count: int) -> np.ndarray:
@@ -192,3 +194,27 @@ def test_joints_that_carry_hardly_anything_leave_the_friction_left_alone():
     assert found.stands
     assert found.friction_left > 0.9
     assert wall.stands(["c01-b00"]).friction_left == 1.0  # and no rounding
+
+
+def test_the_image_of_a_mechanism_is_one():
+    """An arch is its own image: its halves fall inwards alike, and one of them is calculated."""
+    model = Model.of(arch(0.25, 10), friction=0.6)
+    along = model.assembly.centroid[:, 0]
+    halves = [~model.assembly.fixed & (side * along > 1e-6) for side in (-1.0, 1.0)]
+    evaluator = Evaluator(StagedModel(model), learns=True)
+    left, right = (evaluator.answer(Stage(mask_of(np.flatnonzero(half)))) for half in halves)
+    assert left.verdict is right.verdict is checked(model, halves[1]) is Verdict.UNSTABLE
+    assert evaluator.solved == 1
+    assert right.falling
+    assert halves[1][list(right.falling)].all()
+
+
+def test_what_falls_when_it_is_followed_does_so_in_an_image_of_the_structure():
+    """Two blocks beside one that is held, at either end of a bridge."""
+    structure = Structure(bridge(), friction=0.66)
+    found = structure.stands([3, 7, 8], held=[8])
+    image = structure.stands([2, 6, 8], held=[8])
+    assert found.falling == (3, 7)
+    assert image.falling == (2, 6)
+    assert image.verdict is Verdict.UNSTABLE
+    assert image.message == f"its image falls: {found.message}"
