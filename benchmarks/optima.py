@@ -34,7 +34,7 @@ from drystone.design import (
 )
 from drystone.design.needs import Form
 from drystone.models import arch, box, buttressed_arch, prism
-from drystone.models.arches import voussoirs_between
+from drystone.models.simple import blocks_between
 from drystone.stability import CheckOptions
 
 HEAD = "| case | start | found | known | its file | CPU s |\n|---|---|---|---|---|---|\n"
@@ -62,7 +62,7 @@ def vertical_arch(thickness: float, joints: int = 40) -> Assembly:
         for side, name in ((-1.0, "left"), (1.0, "right"))
     ]
     blocks = (
-        feet[0], prism(left, DEPTH, "haunch-left"), *voussoirs_between(ends, DEPTH),
+        feet[0], prism(left, DEPTH, "haunch-left"), *blocks_between(ends, DEPTH),
         prism(right, DEPTH, "haunch-right"), feet[1],
     )  # fmt: skip
     return Assembly(blocks).with_fixed([0, len(blocks) - 1])
@@ -84,7 +84,7 @@ def arch_about(heights: Sequence[float], thickness: float) -> Assembly:
     across = np.column_stack([-along[:, 1], along[:, 0]])
     across *= 0.5 * thickness / np.linalg.norm(across, axis=1, keepdims=True)
     ends = np.stack([node - across, node + across], axis=1)
-    blocks = voussoirs_between(ends, DEPTH)
+    blocks = blocks_between(ends, DEPTH)
     feet = []
     for name, end, along_foot in (("left", ends[0], -along[0]), ("right", ends[-1], along[-1])):
         back = 0.1 * along_foot / np.linalg.norm(along_foot)

@@ -21,7 +21,7 @@ from drystone import Assembly, Contacts, LoadCase, models
 from drystone.base.arrays import Floats
 from drystone.base.files import write_bytes
 from drystone.io.json_files import contacts_content
-from drystone.models.arches import voussoirs_between
+from drystone.models.simple import blocks_between
 from drystone.reproduce.tilt_cases import studies
 
 Vector: TypeAlias = tuple[float, float, float]
@@ -240,7 +240,7 @@ def part_arch(radius: float, thickness: float, degrees: float, count: int) -> As
     ray: Floats = np.column_stack([np.cos(angle), np.sin(angle)])
     half = 0.5 * thickness
     joints = np.stack([(radius - half) * ray, (radius + half) * ray], axis=1)
-    blocks = voussoirs_between(joints, (0.0, 1.0))
+    blocks = blocks_between(joints, (0.0, 1.0))
     fixed = np.zeros(len(blocks), dtype=bool)
     fixed[[0, -1]] = True
     return Assembly(tuple(blocks), fixed)

@@ -11,7 +11,7 @@ import numpy as np
 
 from drystone.assembly import Assembly, Block
 from drystone.base.arrays import Floats, marked
-from drystone.models.simple import box, prism, require, welded
+from drystone.models.simple import blocks_between, box, prism, require, welded
 from drystone.models.walls import course_ends
 
 
@@ -24,14 +24,6 @@ def radial_joints(inner: float, outer: float, voussoirs: int) -> Floats:
     ray = np.column_stack([np.cos(angle), np.sin(angle)])
     ray[[0, -1], 1] = 0.0
     return np.stack([inner * ray, outer * ray], axis=1)
-
-
-def voussoirs_between(joints: Floats, depth: tuple[float, float]) -> list[Block]:
-    """A voussoir between each two successive joints (j, 2, 2), as prisms along y."""
-    return [
-        prism([a[0], a[1], b[1], b[0]], depth, f"voussoir-{i:02d}")
-        for i, (a, b) in enumerate(pairwise(joints))
-    ]
 
 
 def arch(
@@ -64,7 +56,7 @@ def arch(
     joints = radial_joints(radius - half, radius + half, voussoirs)
     size = (2.0 * half, depth, 2.0 * half)
     y = (0.0, depth)
-    blocks = voussoirs_between(joints, y)
+    blocks = blocks_between(joints, y)
     feet = [
         prism([*joint, (joint[1, 0], -size[2]), (joint[0, 0], -size[2])], y, f"springer-{side}")
         for joint, side in ((joints[0], "left"), (joints[-1], "right"))
@@ -137,7 +129,7 @@ def buttressed_arch(
             )
             for i in range(courses)
         ]
-    blocks += voussoirs_between(joints, (-0.5 * depth, 0.5 * depth))
+    blocks += blocks_between(joints, (-0.5 * depth, 0.5 * depth))
     fixed = marked([0, courses], len(blocks))
     return Assembly(tuple(blocks), fixed).with_density(density)
 

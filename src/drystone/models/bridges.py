@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from pathlib import Path
 from typing import Literal, Self, TypeAlias
 
@@ -18,7 +17,7 @@ from drystone.base.errors import InputError, counted
 from drystone.base.files import read_bytes
 from drystone.base.units import scale_of
 from drystone.io.dxf import read_polyline
-from drystone.models.simple import box, prism, require
+from drystone.models.simple import blocks_between, box, prism, require
 
 _WIDEST = 200.0
 """[m]: no arch of stone spans as much."""
@@ -115,10 +114,7 @@ def segmental_bridge(
         start = f"span-{i + 1}-" if spans > 1 else ""
         for k in range(rings):
             name = f"{start}ring-{k + 1}-" if rings > 1 else start
-            blocks += [
-                prism([a[k], a[k + 1], b[k + 1], b[k]], depth, f"{name}voussoir-{j:02d}")
-                for j, (a, b) in enumerate(pairwise(moved))
-            ]
+            blocks += blocks_between(moved[:, k : k + 2], depth, name + "voussoir-{:02d}")
         fixed += [False] * (rings * voussoirs)
         if i < spans - 1:
             left, right = moved[-1], moved[0] + np.array([apart, 0.0])

@@ -9,7 +9,7 @@ import json
 from collections.abc import Sequence
 from functools import cache
 from heapq import heappop, heappush
-from itertools import product
+from itertools import pairwise, product
 from typing import Any
 
 import numpy as np
@@ -79,6 +79,16 @@ def prism(
     sides = [((i + 1) % count, i, i + count, (i + 1) % count + count) for i in here]
     faces = (tuple(here), tuple(i + count for i in reversed(here)), *sides)
     return Block(np.concatenate([front, back]), faces, name, density)
+
+
+def blocks_between(
+    joints: Floats, depth: Sequence[float], name: str = "voussoir-{:02d}", first: int = 0
+) -> list[Block]:
+    """A numbered block between each two successive joints (j, 2, 2), as prisms along y."""
+    return [
+        prism([a[0], a[1], b[1], b[0]], depth, name.format(i))
+        for i, (a, b) in enumerate(pairwise(joints), first)
+    ]
 
 
 def welded(

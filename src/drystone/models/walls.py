@@ -14,7 +14,7 @@ import numpy as np
 
 from drystone.assembly import Assembly, Block
 from drystone.base.arrays import Floats
-from drystone.models.simple import box, prism, require
+from drystone.models.simple import blocks_between, box, prism, require
 
 Bond: TypeAlias = Literal["running", "toothed", "stack"]
 
@@ -348,8 +348,5 @@ def _stacked(joints: Floats, depth: float) -> Assembly:
     """Blocks between joints (j, 2, 2), each from left to right, over a base from the ground."""
     left, right = joints[0]
     base = prism([(left[0], 0.0), (right[0], 0.0), right, left], (0.0, depth), "base")
-    made = [
-        prism([a[0], a[1], b[1], b[0]], (0.0, depth), f"c{i:02d}-block")
-        for i, (a, b) in enumerate(pairwise(joints), 1)
-    ]
+    made = blocks_between(joints, (0.0, depth), "c{:02d}-block", 1)
     return Assembly((base, *made), np.arange(len(made) + 1) == 0)
