@@ -17,6 +17,7 @@ from __future__ import annotations
 import importlib
 import logging
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
 from functools import cache, partial
 from typing import Any
 
@@ -211,14 +212,34 @@ def cra_penalty_solve(
     return _solved(assembly, mu, density, solve_cra_penalty, (eps, d_bnd))
 
 
-def cra_view(assembly: Any, *others: Any, **named: Any) -> None:
+def cra_view(
+    assembly: Any,
+    scale: float = 1.0,
+    density: float = 1.0,
+    dispscale: float = 1.0,
+    tol: float = 1e-5,
+    grid: bool = False,
+    resultant: bool = True,
+    nodal: bool = False,
+    edge: bool = True,
+    blocks: bool = True,
+    interfaces: bool = True,
+    forces: bool = True,
+    forcesdirect: bool = True,
+    forcesline: bool = False,
+    weights: bool = True,
+    displacements: bool = True,
+) -> None:
     """Open the page of an assembly, with its forces and displacements where it was solved.
 
     Parameters
     ----------
     assembly
         As for a solver, solved or not.
-    others, named
+    interfaces, forces, resultant, nodal, displacements
+        What is shown at first of interfaces, all forces, resultants, forces at corners and virtual
+        displacements.
+    scale, density, dispscale, tol, grid, edge, blocks, forcesdirect, forcesline, weights
         Not used: the page scales what it shows, and has buttons for the rest.
 
     Raises
@@ -226,9 +247,25 @@ def cra_view(assembly: Any, *others: Any, **named: Any) -> None:
     InputError
         There is no browser; the error names the page.
     """
-    del others, named
+    del scale, density, dispscale, tol, grid, edge, blocks, forcesdirect, forcesline, weights
     read = from_compas(assembly)
-    show(scene_of(read.results[0]) if read.results else scene_of(read.assembly, read.contacts))
+    scene = scene_of(read.results[0]) if read.results else scene_of(read.assembly, read.contacts)
+    hidden = {
+        "interfaces": not interfaces,
+        "resultants": not (forces and resultant),
+        "network": not forces,
+        "pressure": not (forces and nodal),
+        "tension": not (forces and nodal),
+    }
+    stages = tuple(
+        replace(
+            stage,
+            motion=stage.motion if displacements else None,
+            layers=tuple(one for one in stage.layers if not hidden.get(one.key)),
+        )
+        for stage in scene.stages
+    )
+    show(replace(scene, stages=stages))
 
 
 def density_setup(assembly: Any, density: Mapping[Any, float]) -> None:

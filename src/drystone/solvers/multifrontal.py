@@ -280,8 +280,9 @@ class Front:
 class BlockFactor:
     """Factors of all fronts of a matrix.
 
-    The pivots of a front are inverted: in place of triangular solutions for each row of its
-    boundary, four fifths of the time. A front without a boundary has triangular factors.
+    In single precision the pivots of a front with a boundary are inverted: in place of triangular
+    solutions for each row of that, four fifths of the time. Other fronts have triangular factors:
+    with inverses in double precision, forces with a friction of 10,000 are not found.
     ``order`` has the nodes in the order of elimination.
     """
 
@@ -295,11 +296,12 @@ class BlockFactor:
         x = right[self.order].astype(precision, copy=False).ravel()
         steps = list(zip(self.fronts, self.factors, strict=True))
         for front, (own, pivots, below, _) in steps:
-            if not below.size:
-                x[front.own_rows] = getrs(own, pivots, x[front.own_rows])[0]
-                continue
-            part = x[front.own_rows] = own @ x[front.own_rows]
-            x[front.later_rows] -= below @ part
+            part = x[front.own_rows]
+            inverted = below.size and precision is np.float32
+            part = own @ part if inverted else getrs(own, pivots, part)[0]
+            x[front.own_rows] = part
+            if below.size:
+                x[front.later_rows] -= below @ part
         for front, (_, _, _, coupling) in reversed(steps):
             if coupling.size:
                 x[front.own_rows] -= coupling @ x[front.later_rows]
@@ -381,7 +383,7 @@ class BlockOrdering:
         """
         left: dict[int, Floats] = {}
         factors: list[tuple[Any, ...]] = []
-        getrf, _, getri, gemm = ROUTINES[blocks.dtype.type]
+        getrf, getrs, getri, gemm = ROUTINES[blocks.dtype.type]
         number_of, bounds = blocks[self.blocks], self.bounds.tolist()
         memory = np.empty(self.largest**2, blocks.dtype)  # of one front after the other
         for number, (p, size) in enumerate(self.sizes):
@@ -398,8 +400,11 @@ class BlockOrdering:
                 raise SolverError(f"front {number} of the elimination is singular")
             below = coupling = whole[:p, p:]
             if size > p:
-                own, _ = getri(own, pivots, overwrite_lu=True)
-                coupling = gemm(1.0, own, coupling)
+                if blocks.dtype == np.float32:
+                    own, _ = getri(own, pivots, overwrite_lu=True)
+                    coupling = gemm(1.0, own, coupling)
+                else:
+                    coupling, _ = getrs(own, pivots, coupling)
                 below = whole[p:, :p].copy(order="F")
                 left[number] = gemm(-1.0, below, coupling, 1.0, whole[p:, p:])
             factors.append((own, pivots, below, coupling))
