@@ -64,13 +64,13 @@ def _own_image(model: Model, turn: Floats) -> Ints | None:
 
     def image(place: Floats, before: Floats, after: Floats) -> Ints | None:
         """Which of some places (p, 3) with numbers (p, q) each comes to lie on; None if not all."""
-        from scipy.spatial import cKDTree  # slow to import
-
-        centred = (place - middle) / size
-        there = np.hstack([centred @ turn.T, after])
-        away, found = map(np.asarray, cKDTree(np.hstack([centred, before])).query(there))
-        same = away.max(initial=0.0) < SAME and len(np.unique(found)) == len(found)
-        return found if same else None
+        here = np.hstack([(place - middle) / size, before])
+        there = np.hstack([(place - middle) / size @ turn.T, after])
+        some = np.sin(np.arange(1.0, 1.0 + here.shape[1]))  # along which no two places are alike
+        order, other = np.argsort(here @ some), np.argsort(there @ some)
+        if np.abs(here[order] - there[other]).max(initial=0.0) >= SAME:
+            return None
+        return order[np.argsort(other)]
 
     largest = np.abs(model.load.wrench).max(initial=np.finfo(float).tiny)
     weight = model.load.wrench[:, 2] / largest
@@ -82,8 +82,7 @@ def _own_image(model: Model, turn: Floats) -> Ints | None:
     shape = np.stack([owner, block[owner]])[:, :, None].astype(np.float64)
     if image(assembly.faces.middles, *shape) is None:
         return None
-    joint = contacts.interface
-    pair = contacts.corner_blocks
+    joint, pair = contacts.interface, contacts.corner_blocks
     normal = contacts.frame[joint, 0]
 
     def kinds(pair: Ints, normal: Floats) -> Floats:
