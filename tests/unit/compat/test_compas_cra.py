@@ -163,7 +163,7 @@ def test_tension_of_a_solved_assembly_is_read_back() -> None:
     assert result.tension.sum() == pytest.approx(1.0, rel=1e-3)
 
 
-def test_the_viewer_opens_a_page_with_the_forces_of_what_was_solved(
+def test_the_viewer_opens_a_page_with_the_forces_that_are_asked_for(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     opened: list[str] = []
@@ -172,11 +172,12 @@ def test_the_viewer_opens_a_page_with_the_forces_of_what_was_solved(
     compas_cra.cra_view(source)
     compas_cra.cra_solve(source)
     compas_cra.cra_view(source, resultant=False, nodal=True, grid=True)
+    compas_cra.cra_view(source, nodal=False, displacements=False)
     keys = []
     for url in opened:
         page = Path(url.removeprefix("file://")).read_text("utf-8")
         keys.append({key for key in ("pressure", "resultants") if f'"key":"{key}"' in page})
-    assert keys == [set(), {"pressure", "resultants"}]
+    assert keys == [set(), {"pressure"}, {"resultants"}]
     for url in opened:
         Path(url.removeprefix("file://")).unlink()
 
