@@ -131,7 +131,7 @@ class SideFiles:
             "trials": ("trials", self._trials),
             "verdicts": ("verdicts", self._verdicts),
             "rows of a study": ("rows", self._study),
-            "data set": ("data/orders.journal", self._dataset),
+            "data set": ("data/orders/00000.journal", self._dataset),
             "cases": ("cases.toml", lambda path: combinations(self.model, path).numbers()),
             "title block": ("title.toml", TitleBlock.read),
             "train": ("train.toml", self._train),
@@ -163,8 +163,8 @@ class SideFiles:
 
     def _dataset(self, path: Path) -> object:
         path.parent.mkdir(parents=True, exist_ok=True)
-        made = dataset([tower(3)], path.parent, options=DatasetOptions(rows=9), friction=0.6)
-        return made.card(), read_dataset(path.parent).card()
+        made = dataset([tower(3)], path.parents[1], options=DatasetOptions(rows=9), friction=0.6)
+        return made.card(), read_dataset(path.parents[1]).card()
 
     def _verdicts(self, path: Path) -> object:
         return drystone.check_many([tower(1), tower(2)], out=path, friction=0.6)

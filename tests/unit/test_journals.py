@@ -46,7 +46,7 @@ def studied(file: Path) -> object:
 
 def gathered(file: Path) -> object:
     options = DatasetOptions(rows=24)
-    found = dataset([tower(3)], file.parent, options=options, friction=0.6)
+    found = dataset([tower(3)], file.parent.parent, options=options, friction=0.6)
     return [(one.order, one.held, one.verdict, one.friction_left.tolist()) for one in found.orders]
 
 
@@ -56,7 +56,8 @@ WORK = pytest.mark.parametrize("work", [planned, tuned, checked, studied, gather
 @pytest.fixture
 def file(tmp_path: Path) -> Path:
     """Where a data set has its first records."""
-    return tmp_path / "orders.journal"
+    (tmp_path / "orders").mkdir()
+    return tmp_path / "orders" / "00000.journal"
 
 
 def again(work: Callable[[Path], object], file: Path, data: bytes) -> object:
@@ -151,12 +152,12 @@ def test_a_data_set_that_does_not_say_what_was_asked_is_refused(file: Path) -> N
         text = json.dumps({**about, "options": options}).encode()
         file.write_bytes(b"".join([b"%08x %s\n" % (zlib.crc32(text), text), *records]))
         with pytest.raises(drystone.InputError):
-            read_dataset(file.parent)
+            read_dataset(file.parent.parent)
 
 
 def test_a_structure_of_a_data_set_that_was_changed_is_refused_and_written_anew(file: Path) -> None:
     """A digit that is damaged leaves a sound file of another structure."""
-    folder = file.parent
+    folder = file.parent.parent
     whole = gathered(file)
     (structure,) = (folder / "structures").iterdir()
     sound = structure.read_bytes()
@@ -202,7 +203,7 @@ def test_a_disk_that_is_full_is_told_with_the_file_and_spoils_nothing(work, file
     sys.dont_write_bytecode = True  # Python would keep cut bytecode of what is imported meanwhile
     resource.setrlimit(resource.RLIMIT_FSIZE, (room, before[1]))
     try:
-        with pytest.raises(drystone.FormatError, match=r"orders.*cannot be written"):
+        with pytest.raises(drystone.FormatError, match=r"00000.*cannot be written"):
             work(file)
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
@@ -246,7 +247,7 @@ def test_records_of_another_version_are_not_gone_on_from(work, file) -> None:
     about = json.loads(head.partition(b" ")[2])
     text = json.dumps({**about, "version": "0.0.1"}).encode()
     file.write_bytes(b"".join([b"%08x %s\n" % (zlib.crc32(text), text), *records]))
-    with pytest.raises(drystone.FormatError, match=r"orders.*is of other work: version differ"):
+    with pytest.raises(drystone.FormatError, match=r"00000.*is of other work: version differ"):
         work(file)
 
 

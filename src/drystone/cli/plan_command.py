@@ -190,7 +190,7 @@ def dataset(
     Each MODEL is a structure. Exit code 0: the data set is complete. 1: it is not yet.
     """
     models = [replace(subject, files=one).prepared(waiting) for one in subject.each]
-    waiting.checkpoint = out / "orders.journal"
+    waiting.checkpoint = out / "orders"
     found = asked.of(waiting, models, out, doing="orders")
     notes = [note for model in models for note in model.notes]
     return Told(found, subject=f"{out}", notes=notes)

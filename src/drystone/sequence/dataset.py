@@ -1,4 +1,4 @@
-"""Subsets of structures with their verdicts, for learners: written order by order, and continued.
+"""Subsets of structures with their verdicts, for learners: written shard by shard, and continued.
 
 Each order of removal is a random walk from the complete structure: one of the highest blocks goes,
 and with it what is no longer connected to a support. The reverse is an order of assembly. A record
@@ -19,6 +19,7 @@ import numpy as np
 from drystone.answer import Answer, Role, Scene, Sentence
 from drystone.answer.drawing import bare_scene
 from drystone.base.arrays import Bools, Floats, frozen
+from drystone.base.display import OneLine
 from drystone.base.errors import FormatError, InputError, counted
 from drystone.base.files import PathLike, as_path, shipped, write_text
 from drystone.base.journal import Journal
@@ -35,12 +36,9 @@ from drystone.sequence.planner import plan
 from drystone.sequence.stages import StagedModel, mask_of, members
 from drystone.sequence.structure import Structure
 
-TOGETHER = 8
-"""Orders of one structure that a worker answers about, which know what is known of the others.
-Chosen: some seconds of work."""
-
-ORDERS = "orders.journal"
-"""The file with the records."""
+TOGETHER, SHARD = 8, 512
+"""Orders of one structure that a worker answers about, which know what is known of the others; and
+orders in a file. Chosen: some seconds of work, and some megabytes."""
 
 Stages: TypeAlias = list[tuple[list[int], list[int]]]
 """Blocks placed at each step of an order of assembly, and those held after it."""
@@ -199,7 +197,7 @@ class Dataset(Answer):
         end = f"Not complete: {self.stopped}.\n\n" if self.stopped else ""
         card = shipped("sequence/dataset.md")
         return card.format(title=self.title, end=end, table=table, version=version(),
-                           options=self.options)  # fmt: skip
+                           options=self.options, shard=SHARD)  # fmt: skip
 
 
 class _Task(NamedTuple):
@@ -247,24 +245,22 @@ def dataset(
     tasks = [task for number, model in enumerate(given) for task in _tasks(number, model, chosen)]
     total = sum(len(task.orders) for task in tasks)
     folder = as_path(out)
-    read = partial(_read, [len(one) for one in given])
-    journal = Journal(folder / ORDERS, _about(given, chosen, total), read)
-    found = list(journal.records)
-    _require_asked(journal, tasks)
+    shards = _Shards(folder, _about(given, chosen, total), given)
+    _require_asked(shards, tasks)
     _write_structures(folder, dict(zip(names, given, strict=True)))
-    left = _left(tasks, len(found))
+    left = _left(tasks, len(shards.found))
     with WorkerPool(clock.workers) as pool:
         answers = pool.answers(_answered, [task for _, task in left], clock.late)
         for (known, _), records in zip(left, answers, strict=False):
-            journal.add(records[known:])
-            found += map(read, records[known:])
-            clock.tell("orders", len(found), total)
-    made = len(found)
+            shards.add(records[known:])
+            clock.tell("orders", len(shards.found), total)
+    made = len(shards.found)
     stopped = f"{clock.reason} after {made} of {total} orders" if made < total else ""
-    made_of = tuple(names), tuple(given), tuple(found)
-    whole = Dataset(folder, *made_of, options=chosen, stopped=stopped)
-    write_text(folder / "README.md", whole.card())
-    return whole
+    found = Dataset(
+        folder, tuple(names), tuple(given), tuple(shards.found), options=chosen, stopped=stopped
+    )
+    write_text(folder / "README.md", found.card())
+    return found
 
 
 def read_dataset(folder: PathLike) -> Dataset:
@@ -282,7 +278,7 @@ def read_dataset(folder: PathLike) -> Dataset:
     """
     place = as_path(folder)
     files = sorted((place / "structures").glob("*.json"))
-    first = place / ORDERS
+    first = place / "orders" / _shard(0)
     if not files or not first.exists():
         raise FormatError("has no data set", where=str(folder), remedy="name the folder of one")
     about = Journal.about(first)
@@ -296,11 +292,48 @@ def read_dataset(folder: PathLike) -> Dataset:
             remedy="make the data set anew",
         ) from error  # fmt: skip
     structures = tuple(supported_model(file) for file in files)
-    read = partial(_read, [len(one) for one in structures])
-    known = Journal(first, about | {"structures": _digest(structures)}, read).records
-    stopped = f"{len(known)} of {total} orders" if len(known) < total else ""
+    shards = _Shards(place, about | {"structures": _digest(structures)}, structures)
+    made = len(shards.found)
+    stopped = f"{made} of {total} orders" if made < total else ""
     names = tuple(file.stem for file in files)
-    return Dataset(place, names, structures, tuple(known), options=options, stopped=stopped)
+    return Dataset(place, names, structures, tuple(shards.found), options=options, stopped=stopped)
+
+
+class _Shards(OneLine):
+    """The records of a folder, in files of so many."""
+
+    def __init__(self, folder: Path, about: Mapping[str, Any], models: Sequence[Model]) -> None:
+        self.folder, self.about = folder / "orders", about
+        self.read = partial(_read, [len(one) for one in models])
+        self.found: list[BuiltOrder] = []
+        self.journal = self._next()
+        while len(self.journal.records) == SHARD:
+            self.journal = self._next()
+        later = self.folder / _shard(len(self.found) // SHARD + 1)
+        if later.exists():
+            raise FormatError(
+                f"there is '{later.name}', and only {len(self.journal.records)} records before it",
+                where=str(self.journal.path), remedy="remove the later files to go on",
+            )  # fmt: skip
+
+    def _next(self) -> Journal:
+        journal = Journal(self.folder / _shard(len(self.found) // SHARD), self.about, self.read)
+        self.found += journal.records
+        return journal
+
+    def add(self, records: Sequence[dict[str, Any]]) -> None:
+        """Write records, and begin another file where one is full."""
+        while records:
+            room = SHARD - len(self.found) % SHARD
+            self.journal.add(records[:room])
+            self.found += map(self.read, records[:room])
+            if len(records) >= room:
+                self.journal = self._next()
+            records = records[room:]
+
+
+def _shard(number: int) -> str:
+    return f"{number:05}.journal"
 
 
 def _about(models: Sequence[Model], options: DatasetOptions, orders: int) -> dict[str, Any]:
@@ -331,21 +364,22 @@ def _name(number: int, model: Model) -> str:
 
 
 def _write_structures(folder: Path, models: Mapping[str, Model]) -> None:
-    """Make the folder, and write the structures, in place of files that may be damaged."""
-    (folder / "structures").mkdir(parents=True, exist_ok=True)
+    """Make the folders, and write the structures, in place of files that may be damaged."""
+    for part in ("structures", "orders"):
+        (folder / part).mkdir(parents=True, exist_ok=True)
     for name, model in models.items():
         write(model, folder / "structures" / f"{name}.json")
 
 
-def _require_asked(journal: Journal, tasks: Sequence[_Task]) -> None:
+def _require_asked(shards: _Shards, tasks: Sequence[_Task]) -> None:
     """Refuse records of other orders than those that are asked for, as where a line was removed."""
     asked = [(task, drawn) for task in tasks for drawn in task.orders]
-    for number, one in enumerate(journal.records):
+    for number, one in enumerate(shards.found):
         if number >= len(asked) or not _is_of(one, *asked[number]):
             raise FormatError(
                 f"record {number} is of another order than was asked for",
-                where=str(journal.path),
-                remedy="remove this file to make its orders anew",
+                where=str(shards.folder / _shard(number // SHARD)),
+                remedy="remove this file and later ones to make their orders anew",
             )
 
 

@@ -227,7 +227,7 @@ def test_a_plan_names_its_checkpoint_and_goes_on_from_there(
     [
         ("tune tower --set count=2 --vary edge=0.5:2 --store kept", "kept"),
         ("study tower --set count=2 --set count=3 --out kept.jsonl", "kept.jsonl"),
-        ("dataset tower.json --out kept", "kept/orders.journal"),
+        ("dataset tower.json --out kept", "kept/orders"),
     ],
 )
 def test_work_that_is_ended_at_once_names_what_keeps_it(

@@ -82,7 +82,7 @@ def test_it_goes_on_where_it_ended_and_a_torn_last_record_is_dropped(whole, tmp_
     assert begun.stopped.startswith("it was interrupted after 8 of ")
     assert "Not complete: it was interrupted" in (tmp_path / "README.md").read_text("utf-8")
     assert read_dataset(tmp_path).rows == begun.rows
-    file = tmp_path / "orders.journal"
+    file = tmp_path / "orders" / "00000.journal"
     data = file.read_bytes()
     file.write_bytes(data[: len(data) - cut])
     dataset([ARCH, tower(4)], tmp_path, options=SOME)
@@ -95,7 +95,7 @@ def test_damage_before_the_end_is_told_in_one_line(tmp_path, capsys):
     asked = ["dataset", str(tmp_path / "arch.json"), "--out", str(tmp_path / "data"), "--rows", "9"]
     assert main(asked) == 0
     assert "subsets of 1 structure" in capsys.readouterr().out
-    file = tmp_path / "data" / "orders.journal"
+    file = tmp_path / "data" / "orders" / "00000.journal"
     text = file.read_bytes()
     file.write_bytes(text.replace(b"stable", b"stabel", 1))
     assert main(asked) == 2
@@ -105,6 +105,20 @@ def test_damage_before_the_end_is_told_in_one_line(tmp_path, capsys):
     file.write_bytes(text)
     assert main([*asked[:-1], "10"]) == 2
     assert "is of other work: options" in capsys.readouterr().err
+
+
+def test_many_orders_are_in_several_files(tmp_path):
+    options = DatasetOptions(rows=515)
+    found = dataset([tower(2)], tmp_path, options=options)
+    files = sorted((tmp_path / "orders").iterdir())
+    assert [one.name for one in files] == ["00000.journal", "00001.journal"]
+    assert [len(one.read_bytes().splitlines()) - 1 for one in files] == [
+        512,
+        len(found.orders) - 512,
+    ]
+    files[0].write_bytes(b"".join(files[0].read_bytes().splitlines(keepends=True)[:-1]))
+    with pytest.raises(FormatError, match="and only 511 records before it"):
+        dataset([tower(2)], tmp_path, options=options)
 
 
 def test_the_first_order_may_be_that_of_the_planner(tmp_path):
