@@ -32,6 +32,7 @@ import numpy as np
 
 from drystone.base.arrays import Floats, lengths
 from drystone.base.errors import SolverError
+from drystone.mechanics.maps import SINGLE_FROM
 from drystone.mechanics.statics import Statics
 from drystone.solvers.factors import Refined, Solve
 
@@ -239,7 +240,7 @@ class _Iteration:
         self.slack = np.full((len(size), 1), FIRST_SLACK) * axis
         self.found: Floats | None = None
         self.part, self.of_parts = PART, 0
-        self.rough = True
+        self.rough = statics.free_count >= SINGLE_FROM
         self.solve: Solve | None = None
         self.unbalanced, self.apart = self.defects()
 

@@ -168,7 +168,7 @@ class SparseMaps:
             return self.wrench(local) + times(weight, motion)
 
         def exact() -> Solve:
-            return self.ordering.factorise(self.blocks(tangent, weight)).solve
+            return self.ordering.factorise(self.blocks(tangent, weight), rough).solve
 
         if len(weight) < SINGLE_FROM or not rough:
             return exact()

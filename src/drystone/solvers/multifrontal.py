@@ -280,14 +280,15 @@ class Front:
 class BlockFactor:
     """Factors of all fronts of a matrix.
 
-    In single precision the pivots of a front with a boundary are inverted: in place of triangular
-    solutions for each row of that, four fifths of the time. Other fronts have triangular factors:
-    with inverses in double precision, forces with a friction of 10,000 are not found.
+    Where rough, the pivots of a front with a boundary are inverted: in place of triangular
+    solutions for each row of that, four fifths of the time. Other fronts have triangular factors.
     ``order`` has the nodes in the order of elimination.
     """
 
-    def __init__(self, fronts: list[Front], order: Ints, factors: list[tuple[Any, ...]]) -> None:
-        self.fronts, self.order, self.factors = fronts, order, factors
+    def __init__(
+        self, fronts: list[Front], order: Ints, factors: list[tuple[Any, ...]], rough: bool
+    ) -> None:
+        self.fronts, self.order, self.factors, self.rough = fronts, order, factors, rough
 
     def solve(self, right: Floats) -> Floats:
         """X (n, w) with ``matrix @ x = right``."""
@@ -297,7 +298,7 @@ class BlockFactor:
         steps = list(zip(self.fronts, self.factors, strict=True))
         for front, (own, pivots, below, _) in steps:
             part = x[front.own_rows]
-            inverted = below.size and precision is np.float32
+            inverted = below.size and self.rough
             part = own @ part if inverted else getrs(own, pivots, part)[0]
             x[front.own_rows] = part
             if below.size:
@@ -371,10 +372,11 @@ class BlockOrdering:
         size = self.width * (len(front.pivots) + len(front.boundary))
         return [(child, (rows[:, None] * size + rows).ravel()) for child, rows in front.children]
 
-    def factorise(self, blocks: Floats | Singles) -> BlockFactor:
+    def factorise(self, blocks: Floats | Singles, rough: bool = True) -> BlockFactor:
         """Factors of the matrix with the given blocks (e, w, w), in the order of row and column.
 
-        The precision is that of the blocks.
+        The precision is that of the blocks. ``rough``: whether pivots may be inverted, which costs
+        digits: with a friction of 10,000 forces are not found so.
 
         Raises
         ------
@@ -400,7 +402,7 @@ class BlockOrdering:
                 raise SolverError(f"front {number} of the elimination is singular")
             below = coupling = whole[:p, p:]
             if size > p:
-                if blocks.dtype == np.float32:
+                if rough:
                     own, _ = getri(own, pivots, overwrite_lu=True)
                     coupling = gemm(1.0, own, coupling)
                 else:
@@ -408,7 +410,7 @@ class BlockOrdering:
                 below = whole[p:, :p].copy(order="F")
                 left[number] = gemm(-1.0, below, coupling, 1.0, whole[p:, p:])
             factors.append((own, pivots, below, coupling))
-        return BlockFactor(self.fronts, self.order, factors)
+        return BlockFactor(self.fronts, self.order, factors, rough)
 
 
 def ordering_of(position: Floats, row: Ints, column: Ints, width: int) -> BlockOrdering:

@@ -266,7 +266,9 @@ def test_a_dask_cluster_gives_the_same_plan_and_the_same_data_set(alone, tmp_pat
         assert future.result() is None
         cluster_too = [str(tmp_path / "side by side"), "--workers", cluster.scheduler_address]
         assert main([*asked, *cluster_too]) == 0
-    one, other = (tmp_path / name / "orders.journal" for name in ("alone", "side by side"))
+    one, other = (
+        tmp_path / name / "orders" / "00000.journal" for name in ("alone", "side by side")
+    )
     assert one.read_bytes() == other.read_bytes()
 
 
