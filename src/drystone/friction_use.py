@@ -29,7 +29,7 @@ from drystone.joints import Resultants, bearable
 from drystone.virtual import JointSections, joint_sections
 
 LINE = 2e-4
-"""Width of a line as a face, by its length. So it is about as stiff as its two corners."""
+"""Width of a line as a face, by its length: so it has twice the least area of a corner."""
 
 TWISTED = 1e-3
 """A smaller torque, by the friction of a face times the root of its area, is not counted."""
