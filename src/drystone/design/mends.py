@@ -27,7 +27,7 @@ from drystone.design.needs import NEEDED, refuse_other_kinds
 from drystone.design.whole_check import mends_of_kind
 from drystone.design.words import NOTHING, listed, names_of
 from drystone.io.opening import Given, LongHow, as_model
-from drystone.limits.bounds import with_margins
+from drystone.limits.bounds import with_tilt_margin
 from drystone.limits.train_limit import limit_train
 from drystone.loads import Train
 from drystone.loads.placing import GivenLoad
@@ -674,7 +674,7 @@ def _with_margin(made: Sequence[Changed], stop: Stop) -> list[Changed]:
     """Mends of one kind, those with the least cost with the tilt that forces balance."""
     least = min(map(_cost, made), default=0.0)
     return [
-        replace(one, result=with_margins(one.result, stop))
+        replace(one, result=with_tilt_margin(one.result, stop))
         if _cost(one) == least and one.result.model is one.model
         else one
         for one in made

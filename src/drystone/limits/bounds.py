@@ -64,11 +64,7 @@ def balanced(
     )  # fmt: skip
 
 
-def rbe(
-    cone: FrictionCone,
-    stop: Stop | None,
-    model: Model,
-) -> Result:
+def rbe(cone: FrictionCone, stop: Stop | None, model: Model) -> Result:
     """Result of rigid-block equilibrium without the penalty form."""
     found = solve_rbe(model, options=_options(cone), stop=stop)
     return replace(found, options=RBEOptions(cone=cone))  # numerics are not what was asked
@@ -315,16 +311,21 @@ def friction_margin(model: Model, stop: Stop | None = None) -> float | None:
     return friction_bound(share, 1.0, 0.0, width=1e-3, cone=cone, stop=stop).stands
 
 
-def with_margins(result: Result, stop: Stop | None = None) -> Result:
-    """A result with the margins of what stands, where they are asked and not known yet."""
+def with_tilt_margin(result: Result, stop: Stop | None = None) -> Result:
+    """A result with the margin of tilt of what stands, where it is asked and not known yet."""
     if not result.stable or result.stopped or result.tilt_margin is not None:
         return result
     margin, about = tilt_margin(result.model, stop=stop)
-    factor = crushing_factor(result.model, stop=stop)
-    share = friction_margin(result.model, stop)
-    return replace(
-        result, tilt_margin=margin, tilt_about=about, friction_margin=share, crushing_factor=factor
-    )
+    return replace(result, tilt_margin=margin, tilt_about=about)
+
+
+def with_margins(result: Result, stop: Stop | None = None) -> Result:
+    """The same with those of friction and of strength."""
+    found, model = with_tilt_margin(result, stop), result.model
+    if not found.stable or found.stopped or found.friction_margin is not None:
+        return found
+    share, factor = friction_margin(model, stop), crushing_factor(model, stop=stop)
+    return replace(found, friction_margin=share, crushing_factor=factor)
 
 
 def _largest(
