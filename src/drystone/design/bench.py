@@ -28,6 +28,7 @@ from drystone.design.search import bracket, least, least_from_above
 from drystone.design.words import joint_name, names_of
 from drystone.model import Model
 from drystone.results import Result
+from drystone.stability.problem import proves_fall
 
 Near: TypeAlias = list[dict[int, Floats]]
 """Rest states of the last model that stood, in each case of the margin."""
@@ -115,6 +116,8 @@ class Bench:
         Positions of blocks that may not be changed.
     stop
         Called often; True ends the search.
+    fall
+        A mechanism (r, 6) of the local model, if it is known: what falls by it is not tried.
     """
 
     def __init__(
@@ -125,6 +128,7 @@ class Bench:
         margin: DesignMargin | None = None,
         keep: frozenset[int] = frozenset(),
         stop: Callable[[], bool] | None = None,
+        fall: Floats | None = None,
     ) -> None:
         self.model, self.region, self.keep, self.stop = model, tuple(region), keep, stop
         self.margin = DesignMargin() if margin is None else margin
@@ -136,6 +140,7 @@ class Bench:
         self.tried: list[Tried] = []
         self.near = False  # whether a change holds the region without the margin
         self.rests: Near = []
+        self.fall = fall
 
     def stands(self, make: Surgery, near: Near | None = None, beyond: Sequence[int] = ()) -> bool:
         """Whether the local model stands after a change; False if the change is impossible."""
@@ -143,7 +148,16 @@ class Bench:
             changed = self.changed(make, beyond)
         except InputError:
             return False
-        return self.keeps_margin(changed, quick=True, near=near)
+        return not self._falls(changed) and self.keeps_margin(changed, quick=True, near=near)
+
+    def _falls(self, changed: Model) -> bool:
+        """Whether a changed model falls by the known mechanism, what was added at rest."""
+        if self.fall is None or len(changed) < len(self.fall):
+            return False
+        motion = np.zeros((len(changed), 6))
+        motion[: len(self.fall)] = self.fall
+        motion[changed.assembly.fixed] = 0.0
+        return proves_fall(changed, motion)
 
     def keeps_margin(self, model: Model, *, quick: bool = False, near: Near | None = None) -> bool:
         """Whether a model stands at the margin; ``near`` as for :meth:`DesignMargin.stands`.

@@ -8,7 +8,7 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cached_property, partial
 from typing import Any, Unpack
 
 import numpy as np
@@ -21,6 +21,7 @@ from drystone.base.settings import Clock, Options, Stopped, checked_call
 from drystone.checks import first_motion_of, moving_joints
 from drystone.design import words
 from drystone.design.bench import Bench
+from drystone.design.changes import ROUGHEST
 from drystone.design.joint_motion import JointState, joint_states, sentence
 from drystone.design.margin import LARGE_REGION, soon_at_rest
 from drystone.design.needs import (
@@ -39,10 +40,12 @@ from drystone.design.regions import (
     solve_alone,
     with_wrenches,
 )
+from drystone.formulations.nearest_mechanism import nearest_mechanism
 from drystone.io.opening import Given, LongHow, as_model
 from drystone.model import Model
 from drystone.results import Result, Verdict
 from drystone.stability import check
+from drystone.stability.problem import Problem, sound_mechanism
 
 
 @dataclass(frozen=True)
@@ -240,6 +243,22 @@ class Region(OneLine):
 
     def _summary(self) -> str:
         return f"{counted(len(self.blocks), 'block')}, '{self.sentence}'"
+
+    def fall_for(self, kind: str) -> Floats | None:
+        """A mechanism (r, 6) [m, rad] of the local model that no friction stops, if it is known.
+
+        It is sought for mends of friction of a large region; other kinds know it from then on: most
+        glue that fails does by it as well.
+        """
+        sought = kind == "friction" or "_fall" in vars(self)
+        return self._fall if sought and len(self.blocks) > LARGE_REGION else None
+
+    @cached_property
+    def _fall(self) -> Floats | None:
+        rough = np.maximum(self.local.contacts.friction, ROUGHEST)
+        problem = Problem.build(self.local.with_friction(rough))
+        found = nearest_mechanism(problem.statics).motion
+        return None if found is None else sound_mechanism(problem, found)
 
 
 @dataclass(frozen=True, eq=False)

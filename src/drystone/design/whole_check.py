@@ -58,7 +58,8 @@ def mends_of_kind(
     """
 
     def at(part: DesignMargin) -> Bench:
-        return Bench(model, region.blocks, motion, part, keep, clock.late)
+        fall = region.fall_for(kind)
+        return Bench(model, region.blocks, motion, part, keep, clock.late, fall)
 
     clock.tell(f"a mend is sought: {kind}", 0, 1)
     bench = at(margin)

@@ -256,8 +256,13 @@ def sound_mechanism(problem: Problem, velocity: Floats) -> Floats | None:
         return None
     # the size of a certificate is arbitrary, and its square may overflow
     motion = problem.mechanism(velocity / largest)
-    violation, power = mechanism_defects(problem.model, motion)
-    return motion if violation <= MECHANISM_TOLERANCE and power > 1e-9 else None
+    return motion if proves_fall(problem.model, motion) else None
+
+
+def proves_fall(model: Model, motion: Floats) -> bool:
+    """Whether a motion (n, 6) is a collapse mechanism of a model."""
+    violation, power = mechanism_defects(model, motion)
+    return violation <= MECHANISM_TOLERANCE and power > 1e-9
 
 
 def checked_mechanism(problem: Problem, solution: EquilibriumSolution) -> Floats | None:

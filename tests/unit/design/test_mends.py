@@ -2,9 +2,10 @@
 
 import json
 import re
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
+from typing import Any, ClassVar
 
 import numpy as np
 import pytest
@@ -1075,6 +1076,29 @@ def test_mends_that_cost_the_same_but_for_rounding_are_both_told_their_tilt_and_
     assert one.price == two.price == "cost 5.88, margin: 16 degrees of tilt"
     assert one.result.friction_margin is None
     assert with_margins(one.result).friction_margin == pytest.approx(0.82, abs=0.01)
+
+
+@dataclass(frozen=True)
+class Counted(DesignMargin):
+    """Keeps what each model that was tried came to."""
+
+    tried: ClassVar[list[bool]] = []
+
+    def stands(self, model: Model, **how: Any) -> bool:
+        self.tried.append(super().stands(model, **how))
+        return self.tried[-1]
+
+
+def test_what_falls_by_a_mechanism_that_no_friction_stops_is_not_tried() -> None:
+    wide = wall(8, 6)
+    falls = Model.of(wide, friction=0.6, load=LoadCase.tilt(wide, (1.0, 0.0, 0.0), 25.0))
+    found = find_mends(falls, options=MendOptions(Counted(), kinds=("friction", "glue")))
+    assert [one.what for _, one in found.tried] == [
+        "it falls up to a coefficient of 4 in all its joints"
+    ]
+    assert [one.change.kind for one in found.mends] == ["glue"]
+    assert Counted.tried
+    assert all(Counted.tried)
 
 
 def test_a_mended_model_is_told_with_the_file_that_it_was_made_of(tmp_path: Path) -> None:
