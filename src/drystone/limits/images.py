@@ -6,10 +6,12 @@ And a part of it stands where its image does.
 from __future__ import annotations
 
 from itertools import product
+from typing import NamedTuple
 
 import numpy as np
 
 from drystone.base.arrays import SAME, Floats, Ints
+from drystone.contacts import Contacts
 from drystone.geometry.frames import LEVEL_AXES
 from drystone.loads.applied import is_vertical
 from drystone.model import Model
@@ -45,15 +47,43 @@ def _tilts_alike(model: Model, one: Floats, other: Floats) -> bool:
     return any(_own_image(model, turn) is not None for turn in ways)
 
 
-def own_images(model: Model) -> list[Ints]:
-    """Where each block (n,) goes by the turns and mirrors that make a structure itself."""
+class Image(NamedTuple):
+    """A turn or mirror that makes a structure itself.
+
+    Attributes
+    ----------
+    block, corner : (n,), (k,) where each one goes
+    turn : (3, 3)
+    """
+
+    block: Ints
+    corner: Ints
+    turn: Floats
+
+    def of(self, values: Floats) -> Floats:
+        """Vectors (m, 6), the last three of them axial, after it."""
+        axial = np.linalg.det(self.turn) * self.turn
+        return np.concatenate([values[:, :3] @ self.turn.T, values[:, 3:] @ axial.T], axis=1)
+
+    def of_forces(self, contacts: Contacts, corner: Ints, force: Floats) -> Floats:
+        """Corner forces (c, 3), local n, u, v, where they are after it."""
+        joint, there = contacts.interface[corner], contacts.interface[self.corner[corner]]
+        same = self.block[contacts.block_b[joint]] == contacts.block_b[there]
+        world = np.einsum("ki,kij->kj", force, contacts.frame[joint]) @ self.turn.T
+        return np.einsum(
+            "kij,kj->ki", contacts.frame[there], np.where(same[:, None], world, -world)
+        )
+
+
+def own_images(model: Model) -> list[Image]:
+    """The images of a structure in which blocks have other places."""
     found = (_own_image(model, turn) for turn in _TURNS)
-    every = {image.tobytes(): image for image in found if image is not None}
-    return [image for image in every.values() if (np.diff(image) != 1).any()]
+    every = {one.block.tobytes(): one for one in found if one is not None}
+    return [one for one in every.values() if (np.diff(one.block) != 1).any()]
 
 
-def _own_image(model: Model, turn: Floats) -> Ints | None:
-    """Where each block (n,) goes by a turn (3, 3).
+def _own_image(model: Model, turn: Floats) -> Image | None:
+    """The image by a turn (3, 3).
 
     None where blocks, loads and corners do not all lie on others of their kind then.
     """
@@ -91,4 +121,5 @@ def _own_image(model: Model, turn: Floats) -> Ints | None:
         return np.hstack([np.sort(pair, axis=0).T, way * normal, contacts.friction[joint, None]])
 
     before, after = kinds(pair, normal), kinds(block[pair], normal @ turn.T)
-    return None if image(contacts.point, before, after) is None else block
+    corner = image(contacts.point, before, after)
+    return None if corner is None else Image(block, corner, turn)

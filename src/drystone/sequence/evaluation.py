@@ -3,6 +3,9 @@
 A collapse mechanism says of each corner that it opens, and of the loads that they do work. Of
 another stage it says the same if the blocks that it would run into are absent, and none of the
 blocks that it moves is held: to know that takes no calculation.
+
+Blocks that fell when they were followed, all others at rest, fall in another stage too where they
+begin to do so under the same forces between the same blocks.
 """
 
 from __future__ import annotations
@@ -30,7 +33,7 @@ from drystone.base.workers import ExecutorFactory, WorkerPool
 from drystone.checks import block_speed, closing
 from drystone.formulations.nearest_mechanism import STILL
 from drystone.io.opening import content_of
-from drystone.limits.images import own_images
+from drystone.limits.images import Image, own_images
 from drystone.model import Model
 from drystone.results import Verdict
 from drystone.sequence.solving import PartSolver, combined
@@ -43,6 +46,7 @@ from drystone.sequence.stages import (
     mask_of,
     members,
 )
+from drystone.settlement import SettlementOptions
 from drystone.stability.attempts import Candidate
 from drystone.stability.problem import FALLING_SHARE, MECHANISM_TOLERANCE, UNBALANCED
 from drystone.stability.touching_edges import may_touch_more
@@ -94,25 +98,74 @@ def _there(image: Ints, blocks: int) -> int:
     return mask_of(image[list(members(blocks))])
 
 
+def _image_of(part: Stage, image: Ints) -> Stage:
+    """The part that an image makes of one."""
+    return Stage(_there(image, part.placed), _there(image, part.held))
+
+
 class KnownFalls(OneLine):
     """The falls of one model. Joints that pull or cohere may resist, so there nothing is kept."""
 
     def __init__(self, model: StagedModel) -> None:
         self.model = model
         self._kept: dict[tuple[int, tuple[int, ...]], Fall] = {}
+        # by the falling blocks, and those in place and held around them
+        self._followed: dict[tuple[int, int, int], Floats] = {}
 
     @functools.cached_property
-    def images(self) -> list[Ints]:
-        """Where each block (n,) goes by the turns and mirrors that make the structure itself."""
+    def images(self) -> list[Image]:
+        """The images of the structure."""
         return own_images(self.model.model)
 
-    def add(self, part: Stage, motion: Floats) -> None:
-        """Keep the mechanism (b, 6) [m, rad] of the moving blocks of a part that falls.
+    @functools.cached_property
+    def _near(self) -> list[int]:
+        """The sets of free blocks that each block touches, or may meet until it falls."""
+        assembly = self.model.assembly
+        low, high = assembly.bounds[:, 0], assembly.bounds[:, 1]
+        reach = SettlementOptions().fall * np.cbrt(assembly.volume)[:, None]
+        free = ~assembly.fixed
+        return [
+            mask_of(np.flatnonzero(free & ((low <= top) & (high >= bottom)).all(axis=1)))
+            for top, bottom in zip(high + reach, low - reach, strict=True)
+        ]
+
+    def add(self, part: Stage, found: StageAnswer) -> None:
+        """Keep how a part falls."""
+        if not self.model.contacts.dry.all():
+            return
+        if len(found.motion):
+            self._add_mechanism(part, found.motion)
+        if len(found.missing):
+            falling, moving = mask_of(found.falling), list(members(part.placed & ~part.held))
+            missing = np.zeros((len(self.model.assembly), 6))
+            missing[moving] = found.missing
+            self._followed[self._place(part, falling)] = missing
+            for image in self.images:
+                there = np.zeros_like(missing)
+                there[image.block] = image.of(missing)
+                place = self._place(_image_of(part, image.block), _there(image.block, falling))
+                self._followed[place] = there
+
+    def _place(self, part: Stage, falling: int) -> tuple[int, int, int]:
+        """Falling blocks of a part, and the sets of those in place and held around them."""
+        around = 0
+        for block in members(falling):
+            around |= self._near[block]
+        return falling, around & part.placed, around & part.held
+
+    def like(self, part: Stage) -> Floats | None:
+        """What blocks (n, 6) [N, N m] lacked that fell when followed; None if none are in it."""
+        free = part.placed & ~part.held
+        for place, missing in reversed(self._followed.items()):
+            if not place[0] & ~free and self._place(part, place[0]) == place:
+                return missing
+        return None
+
+    def _add_mechanism(self, part: Stage, motion: Floats) -> None:
+        """Keep the mechanism (b, 6) [m, rad] of the moving blocks of a part.
 
         Blocks that do not touch each other fall alone, so each is kept alone.
         """
-        if not len(motion) or not self.model.contacts.dry.all():
-            return
         every = np.zeros((len(self.model.assembly), 6))
         every[list(members(part.placed & ~part.held))] = motion
         speed = block_speed(self.model.assembly, every)
@@ -122,7 +175,7 @@ class KnownFalls(OneLine):
             alone[list(members(group.placed))] = every[list(members(group.placed))]
             found = self._fall(group.placed, alone)
             if found.proves(part):
-                for one in (found, *map(found.at, self.images)):
+                for one in (found, *(found.at(image.block) for image in self.images)):
                     self._kept.setdefault((one.moving, one.stopped), one)
 
     def _fall(self, moving: int, motion: Floats) -> Fall:
@@ -154,8 +207,8 @@ class KnownFalls(OneLine):
 
 _OF_IMAGE = "its image falls: "
 
-_Job: TypeAlias = tuple[Stage, Floats | None, Candidate | None]
-"""A part, and its known rest states: of similar stages, and with uniform stiffness."""
+_Job: TypeAlias = tuple[Stage, Floats | None, Candidate | None, Floats | None]
+"""A part, its known rest states: of similar stages, and with uniform stiffness; a similar fall."""
 
 
 class Evaluator(OneLine):
@@ -173,8 +226,8 @@ class Evaluator(OneLine):
         Called before parts are checked; True ends the work.
     learns
         Whether checks begin at the rest state of the nearest part that was asked before, and
-        mechanisms and images prove other parts to fall. What was asked before then changes forces,
-        and which blocks fall, but no verdict.
+        mechanisms, what falls alike and images answer other parts. What was asked before then
+        changes forces, and which blocks fall, but no verdict.
     kept
         Largest number of parts whose answers are kept, those asked last.
 
@@ -298,9 +351,9 @@ class Evaluator(OneLine):
         key = part._replace(near=None)
         if enough(self._known.get(key) if checked else self._find(part)):
             return False
-        fallen = self._fallen(part)
-        if fallen is not None:
-            self._keep(key._replace(quick=False), fallen)
+        alike = self._like_others(part)
+        if alike is not None and enough(alike):
+            self._keep(key._replace(quick=False), alike)
             return False
         self.asked += 1
         early = self._early.get(part, self._early.get(key))
@@ -312,20 +365,32 @@ class Evaluator(OneLine):
             self._keep(key, early)
         return False
 
-    def _fallen(self, part: Stage) -> StageAnswer | None:
-        """The answer of a part that falls by a known mechanism, or whose image falls."""
+    def _like_others(self, part: Stage) -> StageAnswer | None:
+        """The answer of a part that falls by a known mechanism, or whose image is known."""
         if self._falls is None:
             return None
         falling = self._falls.falling(part)
         if falling:
             return StageAnswer(Verdict.UNSTABLE, UNBALANCED, tuple(members(falling)))
         for image in self._falls.images:
-            found = self._known.get(Stage(_there(image, part.placed), _there(image, part.held)))
-            if found is not None and found.verdict is Verdict.UNSTABLE:
-                blocks = np.flatnonzero(np.isin(image, found.falling)).tolist()
-                message = found.message.removeprefix(_OF_IMAGE)
-                return StageAnswer(Verdict.UNSTABLE, f"{_OF_IMAGE}{message}", tuple(blocks))
+            found = self._known.get(_image_of(part, np.argsort(image.block)))
+            if found is not None and found.verdict is not Verdict.UNDECIDED:
+                return self._seen(found, image)
         return None
+
+    def _seen(self, found: StageAnswer, image: Image) -> StageAnswer:
+        """An answer as that of an image."""
+        none, falls = np.zeros((0, 6)), _OF_IMAGE if found.verdict is Verdict.UNSTABLE else ""
+        reaction = {b: image.of(one[None])[0] for b, one in found.reaction.items()}
+        return replace(
+            found,
+            message=f"{falls}{found.message.removeprefix(falls)}",
+            falling=tuple(sorted(image.block[list(found.falling)].tolist())),
+            reaction={int(image.block[b]): one for b, one in reaction.items()},
+            corner=image.corner[found.corner],
+            force=image.of_forces(self.model.contacts, found.corner, found.force),
+            rest=none, uniform=None, motion=none, missing=none,
+        )  # fmt: skip
 
     def _solve(self, missing: Sequence[Stage], ahead: Sequence[Stage], pool: WorkerPool) -> None:
         """Compute parts, and where there are workers others too, which are kept until asked for."""
@@ -360,7 +425,7 @@ class Evaluator(OneLine):
         """An answer, for this run and the next one."""
         self._known[part] = found
         if self._falls is not None:
-            self._falls.add(part, found.motion)
+            self._falls.add(part, found)
             if len(found.rest):
                 self._rested.append((part.placed & ~part.held, found.rest))
         if self._checkpoint is not None:
@@ -428,7 +493,8 @@ class Evaluator(OneLine):
         return pool.answers(self._task, jobs, failed=self._solve_here)
 
     def _job(self, part: Stage) -> _Job:
-        return part, self._rest_near(part), self._screened(part)
+        like = None if self._falls is None else self._falls.like(part)
+        return part, self._rest_near(part), self._screened(part), like
 
     def _solve_here(self, job: _Job) -> StageAnswer:
         return self.solver.solve(*job)
@@ -461,8 +527,8 @@ def finished_whole(evaluator: Evaluator, check: Check | None) -> tuple[StageAnsw
 
 def solve_remote(payload: bytes, job: _Job) -> StageAnswer:
     """The verdict on one part, computed in a worker that unpacks the solver once."""
-    part, near, rest = job
-    return _unpacked(payload).solve(Stage(*part), near, rest)
+    part, near, rest, missing = job
+    return _unpacked(payload).solve(Stage(*part), near, rest, missing)
 
 
 @functools.lru_cache(maxsize=2)

@@ -66,6 +66,7 @@ class PartSolver(OneLine):
         part: Stage,
         near: Floats | None = None,
         rest: Candidate | None = None,
+        missing: Floats | None = None,
     ) -> StageAnswer:
         """The answer of one connected part. Stages are checked, and looked at, only here.
 
@@ -76,13 +77,16 @@ class PartSolver(OneLine):
             Displacements of all blocks in a rest state to start from.
         rest
             The rest state with uniform stiffness that a quick look at this part found.
+        missing : (n, 6) [N, N m]
+            What blocks lacked that fell in a similar part.
         """
         found = self._part(part.placed, part.held)
         if found is None:
             moving = tuple(members(part.placed & ~part.held))
             return StageAnswer(Verdict.UNSTABLE, "touches no support", moving)
         blocks, chosen, stage = found.blocks, found.chosen, found.problem.model
-        result = self._result(part, found.problem, None if near is None else near[blocks], rest)
+        start, lacked = (None if one is None else one[blocks] for one in (near, missing))
+        result = self._result(part, found.problem, start, rest, lacked)
         falling = tuple(int(blocks[i]) for i in result.falling)
         settled = "" if result.settlement is None else result.settlement.message
         if not result.stable or result.force is None:
@@ -90,8 +94,9 @@ class PartSolver(OneLine):
             if result.falls and result.mechanism is not None:
                 moved = result.mechanism[~stage.assembly.fixed]
             return StageAnswer(
-                result.verdict, result.message, falling, settled=settled, motion=moved
-            )
+                result.verdict, result.message, falling, settled=settled, motion=moved,
+                missing=_missing(result),
+            )  # fmt: skip
         moved = np.zeros((0, 6))
         if result.displacement is not None:
             moved = result.displacement[~stage.assembly.fixed]
@@ -113,7 +118,12 @@ class PartSolver(OneLine):
         )
 
     def _result(
-        self, part: Stage, problem: Problem, start: Floats | None, rest: Candidate | None
+        self,
+        part: Stage,
+        problem: Problem,
+        start: Floats | None,
+        rest: Candidate | None,
+        missing: Floats | None,
     ) -> Result:
         """A quick look at a part, or its check."""
         if part.quick:
@@ -121,7 +131,7 @@ class PartSolver(OneLine):
             return try_rest(problem, screening=level, start=start)
         check = self.structure.check
         if isinstance(check, StageCheck):
-            return check.begun_at(problem, start, rest)
+            return check.begun_at(problem, start, rest, missing)
         return check(problem.model)
 
     def _part(self, placed: int, held: int) -> _Part | None:
@@ -190,6 +200,15 @@ def combined(structure: StagedModel, stage: Stage, parts: Iterable[StageAnswer])
         settled="; ".join(one.settled for one in found if one.settled),
         sensitive=any(one.sensitive for one in found),
     )
+
+
+def _missing(result: Result) -> Floats:
+    """What moving blocks (b, 6) [N, N m] lacked at first; none if others than fall moved far."""
+    found = result.settlement
+    if found is None or result.prop is None:
+        return np.zeros((0, 6))
+    alone = all({*path.moving} <= {*result.falling} for path in found.paths)
+    return result.prop[~result.assembly.fixed] if alone else np.zeros((0, 6))
 
 
 def _pressing(stage: Model, force: Floats) -> Floats:

@@ -107,6 +107,9 @@ class StageAnswer(OneLine):
         The rest state of a part with uniform stiffness, where a quick look found it.
     motion : (b, 6) [m, rad]
         Mechanism of a part that falls, of its moving blocks, ascending; empty if not kept.
+    missing : (b, 6) [N, N m]
+        What its moving blocks lacked at first, where it was followed and those that fell moved
+        alone; else empty.
     sensitive
         Whether it stands only for some of the contact stiffnesses tried, or after settling.
     """
@@ -122,6 +125,7 @@ class StageAnswer(OneLine):
     settled: str = ""
     uniform: Candidate | None = None
     motion: Floats = field(default_factory=lambda: np.zeros((0, 6)))
+    missing: Floats = field(default_factory=lambda: np.zeros((0, 6)))
     sensitive: bool = False
 
     @property
@@ -139,6 +143,8 @@ class StageAnswer(OneLine):
 
 Check: TypeAlias = Callable[[Model], Result]
 """Gives the verdict on a model. Other processes must be able to import it."""
+
+ALIKE = "it begins to fall as a part did that was followed and fell"
 
 SMOOTHLY = PATIENT.with_slip_lengths(10.0)
 """Slip length by the local overlap. At a friction coefficient of 0.84 the smooth law then begins
@@ -173,7 +179,11 @@ class StageCheck:
 
     @one_blas_thread()
     def begun_at(
-        self, problem: Problem, near: Floats | None = None, rest: Candidate | None = None
+        self,
+        problem: Problem,
+        near: Floats | None = None,
+        rest: Candidate | None = None,
+        missing: Floats | None = None,
     ) -> Result:
         """The verdict on the problem of a stage.
 
@@ -186,11 +196,18 @@ class StageCheck:
             which stages are known depends on the executor.
         rest
             The rest state with uniform stiffness, where it is known already.
+        missing : (n, 6) [N, N m]
+            What blocks lacked that fell when a similar stage was followed. Where they begin to
+            fall alike here, a brief check ends with that.
         """
         asked = Asked(problem, self.options, Clock(self.each_s))
         near = near if problem.statics.dry else None
         if self.brief and near is not None and rest is None:
-            rest, near = asked.attempt().begun_at(near), None
+            rest, start, near = asked.attempt().begun_at(near), near, None
+            if rest is None and missing is not None:
+                alike = asked.attempt().begun_to_fall(start, missing)
+                if alike is not None:
+                    return asked.unstable(ALIKE, *alike)
             if rest is None and asked.collapse is not None:
                 return asked.unstable(UNBALANCED, asked.collapse)
         found = decided(asked, near=near, rest=rest)

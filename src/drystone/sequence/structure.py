@@ -79,9 +79,10 @@ class Structure(OneLine):
     Supports are always in place. The verdict is that of :func:`drystone.check` on the blocks in
     place. It costs less, as what is known already is used: the answers of connected parts that come
     again; the rest state of a similar part, where the next one begins; mechanisms, which prove
-    other parts to fall; and, where a structure is its own image, parts whose image falls. So the
-    blocks that an answer names as falling are those of one proof for each part; a check of all
-    blocks together may name others, as several motions are possible.
+    other parts to fall; what fell when it was followed, where it begins to do so again between the
+    same blocks; and, where a structure is its own image, the answers of images. So the blocks that
+    an answer names as falling are those of one proof for each part; a check of all blocks together
+    may name others, as several motions are possible.
 
     Parameters
     ----------

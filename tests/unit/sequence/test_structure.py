@@ -10,7 +10,7 @@ import drystone
 from drystone import InputError, Model, Structure, Verdict, check
 from drystone.models import arch, bridge, corbelled_wall, tower, wall
 from drystone.sequence import Evaluator, Stage, StagedModel
-from drystone.sequence.stages import mask_of
+from drystone.sequence.stages import ALIKE, mask_of
 
 
 def orders(model: Model, seed: int, count: int) -> np.ndarray:
@@ -218,3 +218,36 @@ def test_what_falls_when_it_is_followed_does_so_in_an_image_of_the_structure():
     assert image.falling == (2, 6)
     assert image.verdict is Verdict.UNSTABLE
     assert image.message == f"its image falls: {found.message}"
+
+
+def test_what_was_followed_falls_between_the_same_blocks_whatever_stands_elsewhere():
+    model = Model.of(wall(4, 3), friction=0.6)
+    structure = Structure(model)
+    assert structure.stands([3, 4, 5, 7, 8, 9]).stands
+    followed = structure.stands([4, 5, 6, 7, 8, 9, 10, 12, 13])
+    fewer = structure.stands([4, 5, 7, 8, 9, 10])
+    mirrored = structure.stands([3, 4, 5, 7, 8, 9, 10, 13])
+    assert "it falls" in followed.message
+    assert fewer.message == mirrored.message == ALIKE
+    assert (followed.falling, fewer.falling, mirrored.falling) == ((7, 10), (7, 10), (9, 13))
+    assert checked(model, np.isin(np.arange(14), [4, 5, 7, 8, 9, 10])) is Verdict.UNSTABLE
+
+
+def test_the_image_of_what_stands_has_the_image_of_its_forces():
+    """The left part of an arch, its last stone held, and the right one."""
+    model = Model.of(arch(0.3, 7), friction=0.7)
+    left, right = (
+        Stage(mask_of([1, 2, 3, 4]), mask_of([4])),
+        Stage(mask_of([4, 5, 6, 7]), mask_of([4])),
+    )
+    evaluator = Evaluator(StagedModel(model), learns=True)
+    evaluator.answer(left)
+    image, itself = evaluator.answer(right), Evaluator(StagedModel(model)).answer(right)
+    assert evaluator.solved == 1
+    assert image.stands
+    assert image.used == pytest.approx(itself.used, rel=1e-4)
+    weight = abs(itself.reaction[4]).max()
+    assert image.reaction[4] == pytest.approx(itself.reaction[4], abs=1e-5 * weight)
+    order = np.argsort(image.corner)
+    assert np.array_equal(image.corner[order], itself.corner)
+    assert image.force[order] == pytest.approx(itself.force, abs=1e-5 * weight)
