@@ -74,6 +74,11 @@ class Means:
     options: LimitOptions
     clock: Clock
 
+    @property
+    def asks(self) -> bool:
+        """Whether uniform stiffness is asked, and not equilibrium only or another check."""
+        return self.check is None and not self.options.equilibrium_only
+
     def tell(self, stage: str, done: int) -> None:
         """Report one of three steps."""
         self.clock.tell(stage, done, 3)
@@ -86,15 +91,36 @@ def bisected(
     width: float,
     means: Means,
     found_by: Callable[..., Bracket] = bisected_bound,
+    first: VerdictSearch | None = None,
 ) -> Limit:
-    """A limit whose convex bound is found by bisection, or otherwise; ``width`` is the default."""
+    """A limit whose convex bound is found by bisection, or otherwise; ``width`` is the default.
+
+    ``first`` as in :func:`searched`.
+    """
     chosen = width if means.options.width is None else means.options.width
 
     def bound(stop: Stop) -> tuple[Bracket, float]:
         cone = means.options.cone
         return found_by(family, start, end, width=chosen, cone=cone, stop=stop), chosen
 
-    return searched(family, start, end, bound, means)
+    return searched(family, start, end, bound, means, first=first)
+
+
+def resting(family: Family, means: Means) -> VerdictSearch:
+    """A search by uniform stiffness."""
+    late = means.clock.late
+    ask = partial(one_stiffness, stop=late)
+    return VerdictSearch(family, ask, meaning=STANDS_OR_NOT, stop=late, starts={})
+
+
+def rests_up_to(
+    first: VerdictSearch, start: float, means: Means, last: float
+) -> Mapping[float, Result]:
+    """Rest states of a scan up to a value."""
+    with WorkerPool(means.clock.workers) as pool:
+        first.executor = pool.executor
+        first.run(start, last, width=Width(np.inf), scan=means.options.scan)
+    return {value: result for value, result in first.results.items() if result.stable}
 
 
 def searched(
@@ -104,11 +130,11 @@ def searched(
     bound: Callable[[Stop], tuple[Bracket, float]],
     means: Means,
     share: float | None = None,
-    at_rest: Result | None = None,
+    first: VerdictSearch | None = None,
 ) -> Limit:
     """The convex bound and its width, then the limit of the full verdict inside it.
 
-    ``share``: of the limit, which is the default width. ``at_rest``: by one stiffness at the start.
+    ``share``: of the limit, which is the default width. ``first``: see :func:`resting`.
 
     Raises
     ------
@@ -117,15 +143,9 @@ def searched(
     """
     _refuse_nothing_to_do(family, start)
     began = time.perf_counter()
-    first = VerdictSearch(
-        family, partial(one_stiffness, stop=means.clock.late),
-        meaning=STANDS_OR_NOT, stop=means.clock.late, starts={},
-    )  # fmt: skip
-    if at_rest is not None and at_rest.stable:
-        first.results[start] = at_rest
+    first = resting(family, means) if first is None else first
     found: Mapping[str, FoundBracket] = {}
-    asks = means.check is None and not means.options.equilibrium_only
-    if asks and family(start).contacts.corner_count > MANY:
+    if means.asks and family(start).contacts.corner_count > MANY:
         means.tell("what stands near the start", 0)
         with suppress(Stopped):
             first.evaluate([start, start + _FIRST * (end - start)])

@@ -25,7 +25,15 @@ from drystone.io.load_options import grown
 from drystone.io.opening import Given, LongHow, supported_model
 from drystone.limits.bounds import friction_bound, load_factor_bound, rbe, tilt_bound, tilt_factor
 from drystone.limits.images import unlike_axes
-from drystone.limits.inside import MANY, Means, bisected, searched, stands_up_to
+from drystone.limits.inside import (
+    MANY,
+    Means,
+    bisected,
+    resting,
+    rests_up_to,
+    searched,
+    stands_up_to,
+)
 from drystone.limits.limit_answer import Limit
 from drystone.limits.limit_types import (
     STANDS,
@@ -101,9 +109,8 @@ def limit_tilt(
     axes = unlike_axes(model) if check is None else LEVEL_AXES
     ways: Mapping[str, Tilt] = {name: Tilt(model, np.array(one)) for name, one in axes.items()}
     known: Mapping[Tilt, FactorSolution] = {}
-    asks = check is None and not means.options.equilibrium_only
     rest: Result | None = None
-    if asks:
+    if means.asks:
         means.tell("rest state", 0)
         rest = one_stiffness(model, stop=means.clock.late)
     if rest is not None and model.contacts.corner_count <= MANY:
@@ -115,7 +122,7 @@ def limit_tilt(
         last = limit.best.stands
         if not last or limit.stopped:
             break
-        if asks and stands_up_to(family, last, means, rest):
+        if means.asks and stands_up_to(family, last, means, rest):
             continue
         found = tilt_limit(family, last, means, rest=rest)
         if found.stopped:
@@ -166,7 +173,9 @@ def tilt_limit(
 
     ``rest``: of uniform stiffness upright, where it is known.
     """
-    chosen = means.options
+    chosen, known = means.options, resting(family, means)
+    if rest is not None and rest.stable:
+        known.results[0.0] = rest
     width = _WIDTH_DEG if chosen.width is None else chosen.width
     return searched(
         family,
@@ -179,7 +188,7 @@ def tilt_limit(
             width,
         ),
         means,
-        at_rest=rest,
+        first=known,
     )
 
 
@@ -214,7 +223,9 @@ def limit_friction(
     start = largest if upper is None else upper
     if start <= 0.0:
         raise InputError(f"the largest friction is {start}", remedy="give a number above zero")
-    return bisected(family, start, 0.0, 1e-3, means, friction_bound)
+    first = resting(family, means)
+    rests = partial(rests_up_to, first, start, means) if means.asks else None
+    return bisected(family, start, 0.0, 1e-3, means, partial(friction_bound, rests=rests), first)
 
 
 @checked_call

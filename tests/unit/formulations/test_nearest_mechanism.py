@@ -77,6 +77,16 @@ def test_an_arch_falls_just_beyond_its_limit(degrees: float, falls: bool) -> Non
     assert balanced(problem, found.force) is not falls
 
 
+def test_a_mechanism_is_found_sooner_on_the_way_to_one_with_less_friction() -> None:
+    vault = Model.of(barrel_vault(courses=9, blocks=4), friction=0.05)
+    _, less = answer(vault)
+    problem, alone = answer(vault.with_friction(0.1))
+    after = nearest_mechanism(problem.statics, after=less)
+    assert after.motion is not None
+    assert sound_mechanism(problem, after.motion) is not None
+    assert after.iterations < alone.iterations
+
+
 def test_random_piles_get_the_answer_of_the_conic_solver() -> None:
     decided = 0
     for seed in range(12):

@@ -124,6 +124,15 @@ def test_a_limit_of_equilibrium_alone_does_not_say_that_it_stands() -> None:
     assert least.title.startswith("Forces balance down to friction 0.0005")
 
 
+def test_forces_of_the_rest_state_balance_the_loads_at_the_least_friction() -> None:
+    limit = limit_friction(arch(), friction=0.9)
+    state, rest = limit.equilibrium.standing, limit.uniform and limit.uniform.standing
+    assert state is not None
+    assert rest is not None
+    np.testing.assert_array_equal(state.force, rest.force)
+    assert state.verdict is Verdict.EQUILIBRIUM_EXISTS
+
+
 def test_a_tilt_without_an_axis_is_the_least_of_four() -> None:
     """An arch swings along its span long before it overturns to a side."""
     model = Model.of(arch(thickness_ratio=0.15), friction=0.7)
