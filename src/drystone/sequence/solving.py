@@ -9,6 +9,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -24,7 +25,7 @@ from drystone.model import Model
 from drystone.results import Result, Verdict
 from drystone.sequence.stages import Stage, StageAnswer, StageCheck, StagedModel, members
 from drystone.stability import PATIENT, try_rest
-from drystone.stability.attempts import Candidate
+from drystone.stability.attempts import QUICK, Candidate
 from drystone.stability.problem import Problem
 
 KEPT = 20_000
@@ -128,11 +129,20 @@ class PartSolver(OneLine):
         """A quick look at a part, or its check."""
         if part.quick:
             level = PATIENT if self.structure.quick is None else self.structure.quick
-            return try_rest(problem, screening=level, start=start)
+            hopeless = partial(self._loose, part)
+            return try_rest(problem, screening=level, start=start, hopeless=hopeless)
         check = self.structure.check
         if isinstance(check, StageCheck):
             return check.begun_at(problem, start, rest, missing)
         return check(problem.model)
+
+    def _loose(self, part: Stage) -> bool:
+        """Whether what touched the blocks that are gone rests nowhere, were all others held."""
+        gone = 0 if part.near is None else part.near[0] & ~part.placed
+        moving = self.structure.around(gone) & part.placed & ~part.held
+        held = self.structure.around(moving) & part.placed & ~moving
+        found = self._part(moving | held, held) if moving and held & ~part.held else None
+        return found is not None and not try_rest(found.problem, screening=QUICK).stable
 
     def _part(self, placed: int, held: int) -> _Part | None:
         """A connected part as a problem; None if nothing supports it."""

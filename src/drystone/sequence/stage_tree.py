@@ -280,10 +280,11 @@ class StageTree:
         """Stages with one block less, if possible without unsupported blocks."""
         out: list[Node] = []
         hanging: list[Node] = []
+        floating = self.model.floating(node.placed)
         for block in self.candidates(node.placed):
             bit = 1 << block
             one = Node(node.placed & ~bit, node.props & ~bit, (block,), node.cost, node)
-            air = self.model.floating(one.placed) & ~self.model.floating(node.placed)
+            air = self.model.floating(one.placed) & ~floating
             (hanging if air else out).append(one)
             if len(out) >= self.width:
                 break

@@ -323,10 +323,12 @@ class StagedModel(OfModel, OneLine):
 
     def _reached(self, start: int, within: int) -> int:
         """The set of blocks that are connected to some blocks through blocks of a set."""
-        reached = frontier = start
-        while frontier:
-            frontier = self.around(frontier) & within & ~reached
-            reached |= frontier
+        near, reached, left = self.neighbours, start, start
+        while left:
+            lowest = left & -left
+            new = near[lowest.bit_length() - 1] & within & ~reached
+            reached |= new
+            left ^= lowest | new
         return reached
 
     def parts(self, stage: Stage) -> list[Stage]:

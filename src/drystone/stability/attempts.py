@@ -178,10 +178,16 @@ class Attempt:
         self.late = late
         self.steps = 0
 
-    def begun_at(self, displacement: Floats, screening: Screening = PATIENT) -> Candidate | None:
+    def begun_at(
+        self,
+        displacement: Floats,
+        screening: Screening = PATIENT,
+        hopeless: Callable[[], bool] = bool,
+    ) -> Candidate | None:
         """The rest state near displacements (n, 6) [m, rad] of a similar model, if there is one.
 
-        A level that is not patient also follows the relaxed law from there.
+        A level that is not patient also follows the relaxed law from there, as the level NEAREST
+        where ``hopeless``.
 
         Raises
         ------
@@ -192,7 +198,7 @@ class Attempt:
         found = self._near(start)
         if found is not None or screening.patient:
             return found
-        numerics = screening.numerics
+        numerics = (NEAREST if screening != NEAREST and hopeless() else screening).numerics
         # Newton's method on the unrelaxed law was tried there already
         return self._followed(
             replace(numerics, polish=POLISH_AGAIN * numerics.warm_relaxation), screening, start
@@ -387,6 +393,7 @@ def try_rest(
     *,
     screening: Screening = PATIENT,
     start: Floats | None = None,
+    hopeless: Callable[[], bool] = bool,
     **work: Unpack[LongWork],
 ) -> Result:
     """Look for a rest state with uniform contact stiffness.
@@ -405,6 +412,9 @@ def try_rest(
         ``displacement`` of the rest state of a similar model with the same blocks. The first law
         begins there, which halves the steps where few blocks differ. The size of the motion does
         not matter. A patient level that finds nothing from the start also begins from nothing.
+    hopeless
+        Asked where there is no rest state very near the start: whether to look no farther than
+        the level NEAREST.
 
     Returns
     -------
@@ -434,7 +444,7 @@ def try_rest(
     elif _falls_freely(problem):
         found, message = Candidate(np.zeros(0), np.zeros(0), Residuals(equilibrium=np.inf)), ""
     else:
-        tried = tuple(_by_each_law(problem, screening, start, clock.late))
+        tried = tuple(_by_each_law(problem, screening, start, hopeless, clock.late))
         found, message = tried[-1], "stands"
     if not found.stands:
         message = "no rest state was found; nothing shows that it falls"
@@ -463,12 +473,16 @@ def try_rest(
 
 
 def _by_each_law(
-    problem: Problem, screening: Screening, start: Floats | None, late: Callable[[], bool]
+    problem: Problem,
+    screening: Screening,
+    start: Floats | None,
+    hopeless: Callable[[], bool],
+    late: Callable[[], bool],
 ) -> Iterator[Candidate]:
     """What each friction law of a level comes to, up to the first that leads to rest."""
     for slip in screening.slip_lengths:
         attempt = Attempt(problem, law.uniform(problem.statics, slip=slip), late)
-        found = None if start is None else attempt.begun_at(start, screening)
+        found = None if start is None else attempt.begun_at(start, screening, hopeless)
         start = None
         found = attempt.from_nothing(screening) if found is None else found
         yield found

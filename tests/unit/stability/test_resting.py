@@ -94,6 +94,23 @@ def test_a_start_at_the_rest_state_of_a_neighbour_changes_no_force():
         assert np.allclose(warm.force, cold.force, rtol=0.0, atol=1e-8 * np.abs(cold.force).max())
 
 
+def test_what_has_no_rest_near_its_start_is_given_up_soon_where_that_is_hopeless():
+    start, asked, steps = try_rest(Model(ARCH, JOINTS)).displacement, [], []
+    for angle, hopeless in itertools.product((1.0, 14.0), (False, True)):
+        load = LoadCase.tilt(ARCH, (0.0, 1.0, 0.0), angle)
+        found = try_rest(
+            Model(ARCH, JOINTS, load),
+            screening=QUICK,
+            start=start,
+            hopeless=lambda at=(angle, hopeless): asked.append(at) or at[1],
+        )
+        assert found.stable == (angle < 14.0)
+        steps.append(found.iterations)
+    assert asked == [(14.0, False), (14.0, True)]
+    assert steps[0] == steps[1]
+    assert 2 * steps[3] < steps[2]
+
+
 def test_a_check_from_a_similar_rest_state_has_the_same_verdict_sooner():
     whole = check(Model(ARCH, JOINTS))
     nearly = Model(ARCH, JOINTS, LoadCase.tilt(ARCH, (0.0, 1.0, 0.0), 1.0))
