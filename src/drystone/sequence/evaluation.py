@@ -153,13 +153,14 @@ class KnownFalls(OneLine):
             around |= self._near[block]
         return falling, around & part.placed, around & part.held
 
-    def like(self, part: Stage) -> Floats | None:
-        """What blocks (n, 6) [N, N m] lacked that fell when followed; None if none are in it."""
+    def like(self, part: Stage) -> list[Floats]:
+        """What blocks (n, 6) [N, N m] lacked in each fall that was followed in such a place."""
         free = part.placed & ~part.held
-        for place, missing in reversed(self._followed.items()):
-            if not place[0] & ~free and self._place(part, place[0]) == place:
-                return missing
-        return None
+        return [
+            missing
+            for place, missing in reversed(self._followed.items())
+            if not place[0] & ~free and self._place(part, place[0]) == place
+        ]
 
     def _add_mechanism(self, part: Stage, motion: Floats) -> None:
         """Keep the mechanism (b, 6) [m, rad] of the moving blocks of a part.
@@ -207,8 +208,8 @@ class KnownFalls(OneLine):
 
 _OF_IMAGE = "its image falls: "
 
-_Job: TypeAlias = tuple[Stage, Floats | None, Candidate | None, Floats | None]
-"""A part, its known rest states: of similar stages, and with uniform stiffness; a similar fall."""
+_Job: TypeAlias = tuple[Stage, Floats | None, Candidate | None, Sequence[Floats]]
+"""A part, its known rest states: of similar stages, and with uniform stiffness; similar falls."""
 
 
 class Evaluator(OneLine):
@@ -493,7 +494,7 @@ class Evaluator(OneLine):
         return pool.answers(self._task, jobs, failed=self._solve_here)
 
     def _job(self, part: Stage) -> _Job:
-        like = None if self._falls is None else self._falls.like(part)
+        like = [] if self._falls is None else self._falls.like(part)
         return part, self._rest_near(part), self._screened(part), like
 
     def _solve_here(self, job: _Job) -> StageAnswer:

@@ -7,7 +7,7 @@ built once for the quick look and the check that may follow.
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -67,7 +67,7 @@ class PartSolver(OneLine):
         part: Stage,
         near: Floats | None = None,
         rest: Candidate | None = None,
-        missing: Floats | None = None,
+        missing: Sequence[Floats] = (),
     ) -> StageAnswer:
         """The answer of one connected part. Stages are checked, and looked at, only here.
 
@@ -78,15 +78,15 @@ class PartSolver(OneLine):
             Displacements of all blocks in a rest state to start from.
         rest
             The rest state with uniform stiffness that a quick look at this part found.
-        missing : (n, 6) [N, N m]
-            What blocks lacked that fell in a similar part.
+        missing : each (n, 6) [N, N m]
+            What blocks lacked that fell in similar parts.
         """
         found = self._part(part.placed, part.held)
         if found is None:
             moving = tuple(members(part.placed & ~part.held))
             return StageAnswer(Verdict.UNSTABLE, "touches no support", moving)
         blocks, chosen, stage = found.blocks, found.chosen, found.problem.model
-        start, lacked = (None if one is None else one[blocks] for one in (near, missing))
+        start, lacked = None if near is None else near[blocks], [one[blocks] for one in missing]
         result = self._result(part, found.problem, start, rest, lacked)
         falling = tuple(int(blocks[i]) for i in result.falling)
         settled = "" if result.settlement is None else result.settlement.message
@@ -124,7 +124,7 @@ class PartSolver(OneLine):
         problem: Problem,
         start: Floats | None,
         rest: Candidate | None,
-        missing: Floats | None,
+        missing: Sequence[Floats],
     ) -> Result:
         """A quick look at a part, or its check."""
         if part.quick:

@@ -12,7 +12,7 @@ its part is checked again.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import NamedTuple, TypeAlias
@@ -183,7 +183,7 @@ class StageCheck:
         problem: Problem,
         near: Floats | None = None,
         rest: Candidate | None = None,
-        missing: Floats | None = None,
+        missing: Sequence[Floats] = (),
     ) -> Result:
         """The verdict on the problem of a stage.
 
@@ -196,16 +196,16 @@ class StageCheck:
             which stages are known depends on the executor.
         rest
             The rest state with uniform stiffness, where it is known already.
-        missing : (n, 6) [N, N m]
-            What blocks lacked that fell when a similar stage was followed. Where they begin to
+        missing : each (n, 6) [N, N m]
+            What blocks lacked that fell when similar stages were followed. Where they begin to
             fall alike here, a brief check ends with that.
         """
         asked = Asked(problem, self.options, Clock(self.each_s))
         near = near if problem.statics.dry else None
         if self.brief and near is not None and rest is None:
             rest, start, near = asked.attempt().begun_at(near), near, None
-            if rest is None and missing is not None:
-                alike = asked.attempt().begun_to_fall(start, missing)
+            for lacked in missing if rest is None else ():
+                alike = asked.attempt().begun_to_fall(start, lacked)
                 if alike is not None:
                     return asked.unstable(ALIKE, *alike)
             if rest is None and asked.collapse is not None:
