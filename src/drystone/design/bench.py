@@ -195,7 +195,7 @@ class Bench:
 
     def least(self, change: Change, below: float = np.inf) -> float | None:
         """The least value of a change with which the local model stands, below another one."""
-        self.rests, steps = [], change.steps
+        self.rests, steps = [] if change.rest is None else [{0: change.rest}], change.steps
         if np.isfinite(below):
             steps = (*(x for x in steps if x < below), below - change.close)
             steps = tuple(x for x in steps if x >= change.low)

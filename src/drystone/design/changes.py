@@ -87,6 +87,8 @@ class Change(OneLine):
         Blocks of the whole model, that the region does not touch, of which the change makes use.
     grows
         Whether a larger value hardly ever holds less, so that the largest one is tried first.
+    rest : (n + added, 6) [m, rad]
+        Where the blocks of a large region rest with it, if that is known.
     """
 
     kind: str
@@ -99,6 +101,7 @@ class Change(OneLine):
     added: int = 0
     beyond: tuple[int, ...] = ()
     grows: bool = False
+    rest: Floats | None = None
 
     @classmethod
     def single(

@@ -84,7 +84,8 @@ def prop(asked: KnownNeeds) -> Proposals:
         words: _Words = {}
         for some in several:
             single = Change.single("prop", props_at(some, smooth=smooth), "", added=len(some))
-            words[single] = partial(_prop_words, bench, some)
+            rest = found.props[0].rest if some is alone else None
+            words[replace(single, rest=rest)] = partial(_prop_words, bench, some)
         told = partial(_by_force, bench, words)
         return Tries(list(words), why, Take.FIRST, last=not smooth, told=told)
 

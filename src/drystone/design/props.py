@@ -185,11 +185,14 @@ class PropForce(OneLine):
     point : (3,) [m]
     force : (3,) [N]
         On the block.
+    rest : (n + p, 6) [m, rad]
+        Rest state of the blocks, and of all p props that hold them together.
     """
 
     seat: PropSeat
     point: Floats
     force: Floats
+    rest: Floats
 
     @property
     def block(self) -> int:
@@ -485,11 +488,11 @@ def _forces(
     """The forces of some props, if they are soon found to hold a model; else none."""
     for smooth in (True, False):
         rest = soon_at_rest(with_props(model, some, smooth=smooth), stop)
-        if rest.stable:
+        if rest.stable and rest.displacement is not None:
             found = rest.resultants
             last = found.position[-len(some) :], found.force[-len(some) :]
             return [
-                PropForce(seat, frozen(at), frozen(force))
+                PropForce(seat, frozen(at), frozen(force), rest.displacement)
                 for seat, at, force in zip(some, *last, strict=True)
             ]
     return []

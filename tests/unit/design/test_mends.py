@@ -1080,11 +1080,13 @@ def test_mends_that_cost_the_same_but_for_rounding_are_both_told_their_tilt_and_
 
 @dataclass(frozen=True)
 class Counted(DesignMargin):
-    """Keeps what each model that was tried came to."""
+    """Keeps what each model that was tried came to, and whether it began near a rest state."""
 
     tried: ClassVar[list[bool]] = []
+    near: ClassVar[list[bool]] = []
 
     def stands(self, model: Model, **how: Any) -> bool:
+        self.near.append(bool(how["near"]))
         self.tried.append(super().stands(model, **how))
         return self.tried[-1]
 
@@ -1092,6 +1094,7 @@ class Counted(DesignMargin):
 def test_what_falls_by_a_mechanism_that_no_friction_stops_is_not_tried() -> None:
     wide = wall(8, 6)
     falls = Model.of(wide, friction=0.6, load=LoadCase.tilt(wide, (1.0, 0.0, 0.0), 25.0))
+    Counted.tried.clear()
     found = find_mends(falls, options=MendOptions(Counted(), kinds=("friction", "glue")))
     assert [one.what for _, one in found.tried] == [
         "it falls up to a coefficient of 4 in all its joints"
@@ -1099,6 +1102,15 @@ def test_what_falls_by_a_mechanism_that_no_friction_stops_is_not_tried() -> None
     assert [one.change.kind for one in found.mends] == ["glue"]
     assert Counted.tried
     assert all(Counted.tried)
+
+
+def test_a_prop_of_a_large_region_is_tried_where_it_was_found_to_rest() -> None:
+    vault = barrel_vault(courses=15, blocks=3, length=2.0)
+    falls = Model.of(vault, friction=0.6, load=LoadCase.tilt(vault, (0.0, 1.0, 0.0), 21.0))
+    Counted.near.clear()
+    found = find_mends(falls, options=MendOptions(Counted(), kinds=("prop",)))
+    assert [one.change.kind for one in found.mends] == ["prop"]
+    assert Counted.near[:1] == [True]
 
 
 def test_a_mended_model_is_told_with_the_file_that_it_was_made_of(tmp_path: Path) -> None:
