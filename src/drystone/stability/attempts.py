@@ -127,7 +127,7 @@ beyond their limit 4e-3 or more. Towers of 200 blocks and more reach 4e-3 althou
 
 LIKE = 0.25
 """Change of what blocks lack at first, by itself, with which they fall as blocks did that were
-followed. Measured on 120 parts of walls, vaults and a bridge: each falls when it is followed."""
+followed. Measured on 144 parts of walls, vaults and a bridge: each falls when it is followed."""
 
 SHORTER_SLIPS = (10.0, 1.0, 0.1)
 """Slip lengths of smooth laws that lead to another one, by the local overlap. Measured on an arch
