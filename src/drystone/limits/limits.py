@@ -151,12 +151,12 @@ def _weaker_first(
     width = np.ptp(model.assembly.bounds.reshape(-1, 3), axis=0)[:2]
     force = np.eye(3)[2] if rest.force is None else np.abs(rest.world_force()).sum(axis=0)
     along_x, along_y = (force[:2] + _NARROW * force[2]) / width
-    order = "xy" if along_y >= (1.0 - SAME) * along_x else "yx"
+    first = along_y >= (1.0 - SAME) * along_x
+    order, near = ("xy", 1.0 - _SHARE) if first else ("yx", 1.0 / (1.0 - _SHARE))
     weak, *others = (ways[name] for name in order if name in ways)
     known = {weak: tilt_factor(weak, cone, late)}
     for other in others if max(along_x, along_y) < _CLEARLY * min(along_x, along_y) else ():
         enough = max(0.0, known[weak].factor)  # and 0 where it is NaN, not known
-        near = 1.0 - _SHARE if order == "xy" else 1.0 / (1.0 - _SHARE)
         more = rbe(cone, late, other(np.degrees(np.arctan(near * enough))))
         if not STANDS[more.verdict]:
             known[other] = tilt_factor(other, cone, late, enough)

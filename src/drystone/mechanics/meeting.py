@@ -20,12 +20,13 @@ from drystone.base.arrays import SAME, Bools, Floats, Ints, cross, frozen
 from drystone.base.display import named
 from drystone.checks import block_speed
 from drystone.contacts import DEFAULT_FRICTION, Contacts, joined_contacts
-from drystone.detection import EdgeContacts, find_contacts
+from drystone.detection import EdgeContacts
 from drystone.detection.candidates import near_blocks
 from drystone.detection.edgecontacts import edge_contacts
-from drystone.detection.misses import edge_misses
+from drystone.detection.misses import edge_misses, face_contacts
 from drystone.detection.parallel_edges import ParallelEdges, parallel_edges
 from drystone.detection.patches import kept_patches_of
+from drystone.detection.resample import resample
 from drystone.detection.tolerances import LARGEST, DetectionOptions, Missed
 from drystone.mechanics.corners import FaceSides
 from drystone.model import Model
@@ -81,11 +82,13 @@ def faces_apart(model: Model, reach: float) -> Apart:
 def _facing(assembly: Assembly, reach: float) -> Apart:
     """The faces that are apart; a limit asks for those of the same blocks again and again."""
     options = DetectionOptions(gap=reach, search=reach, edges=EdgeContacts.NEVER, inexact=False)
-    found = find_contacts(assembly, options=options)
+    patches = kept_patches_of(assembly)
+    faces, *_ = face_contacts(patches, near_blocks(patches, options), options)
+    found, _ = resample(faces.ordered(), options.curve)
     sides = FaceSides(assembly)
-    most = SAME * np.minimum(sides.size[found.contacts.block_a], sides.size[found.contacts.block_b])
-    near = np.abs(found.report.interfaces.gap) > most
-    contacts = found.contacts.select(near)
+    most = SAME * np.minimum(sides.size[found.block_a], sides.size[found.block_b])
+    near = np.abs(found.gap) > most
+    contacts = found.contacts(patches.origin, DEFAULT_FRICTION).select(near)
     a, b = contacts.block_a, contacts.block_b
     gap = np.stack(
         [_distance(sides, contacts, a, -1.0), _distance(sides, contacts, b, 1.0)], axis=1
