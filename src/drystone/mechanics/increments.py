@@ -140,9 +140,9 @@ class Increments:
             begin = equation.at(motion, self.factor)
             if self.grown is not None:  # the first step makes its displacement the given one
                 begin = begin._replace(size=np.inf)
-            bold, memory = (STUCK, 1) if self.rough else (0, Steps.memory)
+            bold = STUCK if self.rough else 0
             chords = 1 if self.grown is None else 0
-            chosen = Steps(NEWTON, SHORTEST, memory=memory, bold=bold, chords=chords)
+            chosen = Steps(NEWTON, SHORTEST, bold=bold, chords=chords)
             found, solved, steps = newton(equation, begin, chosen)
         self.iterations += steps
         return found if solved else None, steps
