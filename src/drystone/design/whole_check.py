@@ -144,7 +144,7 @@ class _WholeCheck:
     def _rests(self) -> Near:
         """Where a large region rests after the change, if no other blocks move."""
         bench, model = self.bench, self.bench.model
-        if not bench.large or len(bench.region) < model.assembly.free.size:
+        if not bench.large or self.candidate.beyond:
             return []
 
         def placed(local: Floats) -> Floats:

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import drystone
-from drystone import Assembly, Block, InputError, LoadCase, Model, Verdict, check
+from drystone import Assembly, Block, InputError, LoadCase, Model, Result, Verdict, check
 from drystone.answer import Role, State
 from drystone.cli import main
 from drystone.design import (
@@ -1090,6 +1090,10 @@ class Counted(DesignMargin):
         self.tried.append(super().stands(model, **how))
         return self.tried[-1]
 
+    def holds(self, model: Model, *stop: Any, **how: Any) -> Result:
+        self.near.append(bool(how.get("near")))
+        return super().holds(model, *stop, **how)
+
 
 def test_what_falls_by_a_mechanism_that_no_friction_stops_is_not_tried() -> None:
     wide = wall(8, 6)
@@ -1104,13 +1108,20 @@ def test_what_falls_by_a_mechanism_that_no_friction_stops_is_not_tried() -> None
     assert all(Counted.tried)
 
 
-def test_a_prop_of_a_large_region_is_tried_where_it_was_found_to_rest() -> None:
+def test_a_prop_of_a_large_region_is_tried_and_checked_where_it_was_found_to_rest() -> None:
+    """Beside a block that stands."""
     vault = barrel_vault(courses=15, blocks=3, length=2.0)
-    falls = Model.of(vault, friction=0.6, load=LoadCase.tilt(vault, (0.0, 1.0, 0.0), 21.0))
+    base, block = (
+        box((0.5, 0.5, 0.2), (9.0, 0.0, 0.0), "base"),
+        box((0.5, 0.5, 0.2), (9.0, 0.0, 0.2)),
+    )
+    whole = Assembly((*vault.blocks, base, block))
+    whole = whole.with_fixed([*np.flatnonzero(vault.fixed).tolist(), "base"])
+    falls = Model.of(whole, friction=0.6, load=LoadCase.tilt(whole, (0.0, 1.0, 0.0), 21.0))
     Counted.near.clear()
     found = find_mends(falls, options=MendOptions(Counted(), kinds=("prop",)))
     assert [one.change.kind for one in found.mends] == ["prop"]
-    assert Counted.near[:1] == [True]
+    assert Counted.near == [False, True, True]
 
 
 def test_a_mended_model_is_told_with_the_file_that_it_was_made_of(tmp_path: Path) -> None:
