@@ -90,6 +90,8 @@ class Steps:
     idle
         Where two steps have left more than this share, they may change between the same corners:
         the next one is half as long.
+    grown
+        Times what was left at first from which on it ends.
     """
 
     limit: int
@@ -98,6 +100,7 @@ class Steps:
     bold: int = 0
     chords: int = 1
     idle: float = np.inf
+    grown: float = np.inf
 
 
 SUFFICIENT = 1e-3
@@ -131,7 +134,7 @@ def newton(equation: Equation[P, S], point: P, steps: Steps) -> tuple[P, bool, i
                 break
             length *= 0.5
         trial = equation.accepted(point, trial, length)
-        if not np.isfinite(trial.size):
+        if not trial.size < steps.grown * (sizes[0] or 1.0):
             return point, False, number + 1
         point = trial
         sizes.append(point.size)

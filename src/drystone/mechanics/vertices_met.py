@@ -149,13 +149,15 @@ def _candidates(
     first = np.zeros(len(assembly), dtype=np.intp)
     used = np.unique(body)
     first[used] = np.cumsum(count[used]) - count[used]
-    several = patches.of_block.counts[other]
-    pair, number = expand(np.zeros(len(body), dtype=np.intp), count[body] * several)
-    own, place = np.divmod(number, several[pair])
-    vertex = wires.point[first[body[pair]] + own]
-    patch = patches.first_patch[other[pair]] + place
-    mine, theirs = body[pair], other[pair]
-    size = np.cbrt(assembly.volume)
+    size, boxes = np.cbrt(assembly.volume), assembly.bounds - patches.origin
+    pair, own = expand(np.zeros(len(body), dtype=np.intp), count[body])
+    point = wires.point[first[body[pair]] + own]
+    wide = reach * np.minimum(size[body], size[other])[pair, None]
+    box = boxes[other[pair]]
+    around = ((point >= box[:, 0] - wide) & (point <= box[:, 1] + wide)).all(axis=1)
+    pair, point = pair[around], point[around]
+    row, patch = expand(patches.first_patch[other[pair]], patches.of_block.counts[other[pair]])
+    vertex, mine, theirs = point[row], body[pair[row]], other[pair[row]]
     smaller = np.minimum(size[mine], size[theirs])
     height = ((vertex - patches.centre[patch]) * patches.normal[patch]).sum(axis=1)
     wide = (reach * smaller)[:, None]
