@@ -33,12 +33,7 @@ from drystone.mechanics.bodies import LIGHT
 from drystone.mechanics.law import Compliance, FrictionResponse, pressing, wrench_size
 from drystone.mechanics.nearby import descend
 from drystone.mechanics.newton import Equation, Steps, newton
-from drystone.mechanics.rest_state import (
-    RestOptions,
-    RestState,
-    Start,
-    block_scale,
-)
+from drystone.mechanics.rest_state import RestOptions, RestState, Start, block_scale
 from drystone.mechanics.statics import Statics
 
 SHORTEST_STEP = 2e-3
@@ -47,11 +42,6 @@ SHORTEST_STEP = 2e-3
 POLISH_AGAIN = 1e-2
 """Share of tau after which the unrelaxed law is tried again. Measured: 1e-1 takes as many steps
 in all."""
-
-EARLIER = 10.0
-"""Factor of tau at which it is tried for the first time, from nothing and on the ground of the end,
-and for one step where that leaves a block without joints. Measured: vaults and domes of 97 to 140
-blocks take two or three factorisations fewer, arches one more."""
 
 IDLE_STEPS = 6
 """Steps at one tau without progress after which a fall is likely, and the unrelaxed law is tried
@@ -152,8 +142,7 @@ class _Path(Equation["_Point", tuple[Floats, Floats, Floats]]):
     def follow(self, start: RestState | Start | None) -> RestState:
         """The rest state, or the state where the iteration ends."""
         begin = self.evaluate(*self.begin(start))
-        early = start is None and self.end is not None
-        self.polish_at = self.options.polish * (EARLIER if early else 1.0)
+        self.polish_at = self.options.polish
         self.best = begin.size
         shortest = max(SHORTEST_STEP, self.options.give_up)
         grown = np.inf if self.leaps else GROWN
@@ -170,9 +159,8 @@ class _Path(Equation["_Point", tuple[Floats, Floats, Floats]]):
         if self.parts_far(point.moved) and self.fell():
             return False
         if self.due(point.tau):
-            early = point.tau > self.options.polish
-            self.state = self.polish(point, early)
-            self.polish_at = self.options.polish if early else point.tau * POLISH_AGAIN
+            self.state = self.polish(point)
+            self.polish_at = point.tau * POLISH_AGAIN
         if self.state is None and (point.tau <= self.options.relaxation or point.size < 1e-6):
             state = self.unrelaxed(point)
             self.state = state if state.converged else None
@@ -249,20 +237,16 @@ class _Path(Equation["_Point", tuple[Floats, Floats, Floats]]):
         """
         return bool((lengths(moved) > self.far).any())
 
-    def polish(self, point: _Point, early: bool) -> RestState | None:
+    def polish(self, point: _Point) -> RestState | None:
         """The rest state by Newton steps on the unrelaxed law; None if they do not converge.
 
         Near the end of the path few corners still change between closed and open. The first try is
-        on the ground of the end, and counts where the given ground would carry little. An early one
-        does not count as the first.
+        on the ground of the end, and counts where the given ground would carry little.
         """
         statics, options, ended = self.statics, self.options, False
         if self.end is not None and not self.parts_far(point.moved):
-            options, ended = self.end, True
-            self.end = self.end if early else None
-        state, steps = descend(
-            statics, self.compliance, options, point.motion, self.stop, hurried=early
-        )
+            options, ended, self.end = self.end, True, None
+        state, steps = descend(statics, self.compliance, options, point.motion, self.stop)
         self.steps += steps
         if state is None or (ended and self.parts_far(statics.displacement(state.motion))):
             return None

@@ -40,7 +40,7 @@ class RestOptions:
         The iteration stops if a step must be reduced below this share.
     polish
         Relative tau at which the unrelaxed law is tried first. Measured: walls, vaults and domes at
-        rest take 9 to 14 factorisations where they took 11 to 22 with 1e-7.
+        rest take 9 to 14 factorisations from nothing where they took 11 to 22 with 1e-7.
     end
         Ground and tolerance of the first try of the unrelaxed law, where the ground carries little.
         With weaker ground, the state that is found there is the last one. Other options are not

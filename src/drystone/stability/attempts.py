@@ -243,6 +243,18 @@ class Attempt:
         start = self._with_forces(rest.force, motion)
         return None if start is None else self._near(start)
 
+    def _from_closed(self) -> Candidate | None:
+        """The rest state near where no corner opens or slips, if few steps lead there.
+
+        Measured: 221 of 347 models that stand do so near it, with 520 factorisations in place of
+        1,744 and a third of the time; none of 211 others does. Walls of 400 and 2,000 blocks take
+        one and two factorisations in place of 14 and 9.
+        """
+        pressed = np.zeros((self.problem.model.contacts.corner_count, 3))
+        pressed[:, 0] = self.problem.statics.force_unit
+        start = self._with_forces(pressed, np.zeros_like(self.problem.statics.load))
+        return None if start is None or self.late() else self._near(start, hurried=True)
+
     def _with_balance(self, balance: Callable[[], Floats | None] | None) -> Candidate | None:
         """The rest state from forces (k, 3) [N] that balance the loads, near them or farther."""
         force, still = balance and balance(), np.zeros_like(self.problem.statics.load)
@@ -261,10 +273,10 @@ class Attempt:
         except SolverError:
             return None
 
-    def _near(self, start: Start) -> Candidate | None:
+    def _near(self, start: Start, hurried: bool = False) -> Candidate | None:
         """The rest state that Newton's method on the unrelaxed law reaches, if there is one."""
         statics = self.problem.statics
-        state = find_rest_nearby(statics, self.springs, PROVED, start, self.late)
+        state = find_rest_nearby(statics, self.springs, PROVED, start, self.late, hurried)
         if state is None:
             return None
         self.steps += state.iterations
@@ -291,7 +303,8 @@ class Attempt:
             leads to rest in 7 of 16 that come to this, in none of those that fall when followed.
         """
         # at the beginning of a path steps are often reduced
-        found = self._followed(replace(screening.numerics, give_up=0.0), screening, falls=falls)
+        numerics = replace(screening.numerics, give_up=0.0)
+        found = self._from_closed() or self._followed(numerics, screening, falls=falls)
         if found.stands or found.falling is not None or not screening.patient or self.late():
             return found
         if falls is not None and falls():

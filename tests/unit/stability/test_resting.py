@@ -39,6 +39,16 @@ def test_what_rests_has_forces_and_a_motion_that_pass_the_checks():
     assert found.samples.standing == found.samples.tried == 1
 
 
+@pytest.mark.parametrize(
+    ("assembly", "steps"),
+    [(models.wall(6, 5), 1), (models.arch(0.2, 28), 7), (models.barrel_vault(), 5)],
+)
+def test_what_plainly_stands_is_near_where_no_corner_opens_or_slips(assembly, steps):
+    found = check(assembly, friction=0.6, options=CheckOptions(settle=False))
+    assert found.stable
+    assert found.iterations <= steps
+
+
 def leaning(angle):
     turned = LoadCase.tilt(models.concave("short"), (0.0, 1.0, 0.0), angle)
     return Model.of(models.concave("short"), friction=0.84, load=turned)
