@@ -211,10 +211,13 @@ class Further:
 
 
 @lru_cache(maxsize=8)
-def further_contacts(assembly: Assembly, contacts: Contacts, options: DetectionOptions) -> Further:
+def further_contacts(
+    assembly: Assembly, contacts: Contacts, options: DetectionOptions, parts: bool = False
+) -> Further:
     """What blocks touch beside their contacts, with edges and corners.
 
-    The friction of these contacts is that of none.
+    The friction of these contacts is that of none. ``parts``: with what they touch where others
+    are gone.
     """
     count = len(assembly)
     low = np.minimum(contacts.block_a, contacts.block_b)
@@ -223,7 +226,9 @@ def further_contacts(assembly: Assembly, contacts: Contacts, options: DetectionO
     found = _searched(assembly, known.astype(np.int64).tobytes(), options)
     keys = found.contacts.block_a * count + found.contacts.block_b
     again = np.flatnonzero(np.isin(keys, known))
-    found = replace(found, parallel=found.parallel.take(~_in_joints(assembly, contacts, found)))
+    if not parts:
+        held = _in_joints(assembly, contacts, found)
+        found = replace(found, parallel=found.parallel.take(~held))
     if not len(again):
         return found
     keep = np.ones(len(found.contacts), dtype=bool)
@@ -286,12 +291,15 @@ def _corner_distance(contacts: Contacts, interface: int, points: Floats) -> floa
     return float(np.hypot(local[:, 0], beside).min())
 
 
-def further_of(model: Model) -> Further | None:
-    """What touches with edges and corners that were not searched; None where they were."""
+def further_of(model: Model, parts: bool = False) -> Further | None:
+    """What touches with edges and corners that were not searched; None where they were.
+
+    ``parts`` as in :func:`further_contacts`.
+    """
     report = model.report
     if report is None or report.options.edges is not EdgeContacts.ISOLATED:
         return None
-    return further_contacts(model.assembly, model.contacts, report.options)
+    return further_contacts(model.assembly, model.contacts, report.options, parts)
 
 
 def with_edges(model: Model, more: Contacts) -> Model:

@@ -154,7 +154,7 @@ class KnownFalls(OneLine):
         return falling, around & part.placed, around & part.held
 
     def like(self, part: Stage) -> list[Floats]:
-        """What blocks (n, 6) [N, N m] lacked in each fall that was followed in such a place."""
+        """What was missing (n, 6) [N, N m] in each fall that was followed in such a place."""
         free = part.placed & ~part.held
         return [
             missing

@@ -79,15 +79,15 @@ class PartSolver(OneLine):
         rest
             The rest state with uniform stiffness that a quick look at this part found.
         missing : each (n, 6) [N, N m]
-            What blocks lacked that fell in similar parts.
+            What blocks missed that fell in similar parts.
         """
         found = self._part(part.placed, part.held)
         if found is None:
             moving = tuple(members(part.placed & ~part.held))
             return StageAnswer(Verdict.UNSTABLE, "touches no support", moving)
         blocks, chosen, stage = found.blocks, found.chosen, found.problem.model
-        start, lacked = None if near is None else near[blocks], [one[blocks] for one in missing]
-        result = self._result(part, found.problem, start, rest, lacked)
+        start, missed = None if near is None else near[blocks], [one[blocks] for one in missing]
+        result = self._result(part, found.problem, start, rest, missed)
         falling = tuple(int(blocks[i]) for i in result.falling)
         settled = "" if result.settlement is None else result.settlement.message
         if not result.stable or result.force is None:
@@ -213,7 +213,7 @@ def combined(structure: StagedModel, stage: Stage, parts: Iterable[StageAnswer])
 
 
 def _missing(result: Result) -> Floats:
-    """What moving blocks (b, 6) [N, N m] lacked at first; none if others than fall moved far."""
+    """What moving blocks (b, 6) [N, N m] missed at first; none if others than fall moved far."""
     found = result.settlement
     if found is None or result.prop is None:
         return np.zeros((0, 6))

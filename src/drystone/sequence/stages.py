@@ -108,7 +108,7 @@ class StageAnswer(OneLine):
     motion : (b, 6) [m, rad]
         Mechanism of a part that falls, of its moving blocks, ascending; empty if not kept.
     missing : (b, 6) [N, N m]
-        What its moving blocks lacked at first, where it was followed and those that fell moved
+        What its moving blocks missed at first, where it was followed and those that fell moved
         alone; else empty.
     sensitive
         Whether it stands only for some of the contact stiffnesses tried, or after settling.
@@ -197,15 +197,15 @@ class StageCheck:
         rest
             The rest state with uniform stiffness, where it is known already.
         missing : each (n, 6) [N, N m]
-            What blocks lacked that fell when similar stages were followed. Where they begin to
+            What blocks missed that fell when similar stages were followed. Where they begin to
             fall alike here, a brief check ends with that.
         """
         asked = Asked(problem, self.options, Clock(self.each_s))
         near = near if problem.statics.dry else None
         if self.brief and near is not None and rest is None:
             rest, start, near = asked.attempt().begun_at(near), near, None
-            for lacked in missing if rest is None else ():
-                alike = asked.attempt().begun_to_fall(start, lacked)
+            for missed in missing if rest is None else ():
+                alike = asked.attempt().begun_to_fall(start, missed)
                 if alike is not None:
                     return asked.unstable(ALIKE, *alike)
             if rest is None and asked.collapse is not None:

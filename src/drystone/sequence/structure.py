@@ -264,7 +264,7 @@ class Structure(OneLine):
         stages = [Stage(*one) for one in sets]
         found = asked.answers(stages, pool=pool)
         return [
-            self._if_more_touches(stage, asked)
+            self._if_more_touches(stage, answer, asked)
             if answer.verdict is Verdict.UNSTABLE and self._may_touch_more
             else answer
             for stage, answer in zip(stages, found, strict=True)
@@ -273,11 +273,13 @@ class Structure(OneLine):
     @cached_property
     def _may_touch_more(self) -> bool:
         """Whether a proof of a fall may rest on blocks that were not joined."""
-        return may_touch_more(self.model)
+        return may_touch_more(self.model, parts=True)
 
-    def _if_more_touches(self, stage: Stage, asked: Evaluator) -> StageAnswer:
+    def _if_more_touches(self, stage: Stage, answer: StageAnswer, asked: Evaluator) -> StageAnswer:
         """The check of a stage that falls, with the pairs of blocks that were not joined."""
         model, blocks = asked.model.cut_out(stage)
+        if not may_touch_more(model):
+            return answer
         found = self._check(model)
         falling = tuple(blocks[list(found.falling)].tolist())
         used = 0.0 if found.force is None else most_used(found.contacts, found.force)

@@ -126,7 +126,7 @@ of up to 2,000 blocks at rest, tilted or not, 5e-5 at most; thin lunes at rest 2
 beyond their limit 4e-3 or more. Towers of 200 blocks and more reach 4e-3 although they stand."""
 
 LIKE = 0.25
-"""Change of what blocks lack at first, by itself, with which they fall as blocks did that were
+"""Change of what blocks miss at first, by itself, with which they fall as blocks did that were
 followed. Measured on 144 parts of walls, vaults and a bridge: each falls when it is followed."""
 
 SHORTER_SLIPS = (10.0, 1.0, 0.1)
@@ -214,19 +214,19 @@ class Attempt:
         displacement : (n, 6) [m, rad]
             The rest state of a similar model.
         missing : (n, 6) [N, N m]
-            What the blocks lacked there: little where they rested, zero of other blocks.
+            What the blocks missed there: little where they rested, zero of other blocks.
         """
         problem, statics, start = self.problem, self.problem.statics, self._start(displacement)
-        lacked = statics.scaled_wrench(missing)
-        leaning = -lacked / (TO_REST.ground * statics.mass_matrix)
-        there = lacked.any(axis=1, keepdims=True)
+        missed = statics.scaled_wrench(missing)
+        leaning = -missed / (TO_REST.ground * statics.mass_matrix)
+        there = missed.any(axis=1, keepdims=True)
         begin = Start(np.where(there, leaning, start.motion), start.normal)
         state = find_rest_nearby(statics, self.springs, TO_REST, begin, self.late)
         if state is None:  # by way of the relaxed law
             state = self._find(NEAREST.numerics, begin)
-        if not state.converged or (self._falling(state.ground) != self._falling(lacked)).any():
+        if not state.converged or (self._falling(state.ground) != self._falling(missed)).any():
             return None
-        if wrench_size(state.ground + lacked).max() > LIKE * wrench_size(lacked).max():
+        if wrench_size(state.ground + missed).max() > LIKE * wrench_size(missed).max():
             return None
         motion = first_motion(problem, state)
         return None if motion is None else (motion, replace(self._examined(state), falling=state))

@@ -133,9 +133,12 @@ def _unless_edges_hold(found: Result, moving: Bools, check: Callable[[Model], Re
     return found
 
 
-def may_touch_more(model: Model) -> bool:
-    """Whether pairs of blocks, or their edges, are near, or touch and are no contacts."""
-    found = further_of(model)
+def may_touch_more(model: Model, parts: bool = False) -> bool:
+    """Whether pairs of blocks, or their edges, are near, or touch and are no contacts.
+
+    ``parts``: also where other blocks are gone.
+    """
+    found = further_of(model, parts)
     touch = found and (len(found.contacts) or len(found.parallel) or len(found.corners))
     return bool(model.unjoined or touch or near_edges(model, np.ones(len(model), dtype=bool)))
 

@@ -8,7 +8,7 @@ import pytest
 
 import drystone
 from drystone import InputError, Model, Structure, Verdict, check
-from drystone.models import arch, bridge, corbelled_wall, tower, wall
+from drystone.models import arch, bridge, corbelled_wall, dome, tower, wall
 from drystone.sequence import Evaluator, Stage, StagedModel
 from drystone.sequence.stages import ALIKE, mask_of
 
@@ -251,3 +251,13 @@ def test_the_image_of_what_stands_has_the_image_of_its_forces():
     order = np.argsort(image.corner)
     assert np.array_equal(image.corner[order], itself.corner)
     assert image.force[order] == pytest.approx(itself.force, abs=1e-5 * weight)
+
+
+def test_edges_that_meet_where_a_block_is_gone_may_hold_a_subset():
+    """In the whole dome blocks between them press with their faces, and they do not count."""
+    model = Model.of(dome(slices=6, rings=3), friction=0.8)
+    blocks = [6, 8, 9, 10, 12, 13, 17]
+    found = Structure(model).stands(blocks)
+    assert found.verdict is checked(model, np.isin(np.arange(len(model)), blocks))
+    assert found.verdict is Verdict.UNDECIDED
+    assert "direction in which edges press" in found.message
