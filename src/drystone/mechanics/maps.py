@@ -11,7 +11,7 @@ from __future__ import annotations
 from threading import local
 
 import numpy as np
-from scipy import sparse
+from scipy.sparse import csr_matrix
 
 from drystone.base.arrays import Floats, Ints, cross
 from drystone.base.errors import SolverError
@@ -115,12 +115,11 @@ class SparseMaps:
         far = np.where(self.swapped, block_b, block_a)[self.first]
         self.ratio = np.ones(m)
         np.divide(sizes[near], sizes[far], out=self.ratio, where=far >= 0)
-        self.runs = runs_by_length(self.first, k)
-        self.of_joint, self.kept = _of_joints(near, far, n)
-        column = (6 * joint[:, None, None] + np.arange(6)).repeat(3, axis=1).ravel()
-        # the numbers are those of the rows of corners, see at()
-        self.across = _matrix(np.zeros(18 * k), column, np.arange(0, 18 * k + 1, 6), 6 * m)
-        self.back, self.on_blocks = self.across.T, self.of_joint.T
+        self.runs, self.joint = runs_by_length(self.first, k), joint
+        self.near, self.far = near, far
+        # that of supports goes to one more block
+        self.place = (6 * np.append(near, far) + np.arange(6)[:, None]).ravel()
+        self.place[self.place < 0] += 6 * (n + 1)
         row, column, source, kind = _pattern(far, near)
         key = np.concatenate([np.arange(n) * (n + 1), row * n + column])
         unique, where = np.unique(key, return_inverse=True)
@@ -129,7 +128,8 @@ class SparseMaps:
         order = np.argsort(where[n:], kind="stable")
         ends = np.append(0, np.cumsum(np.bincount(where[n:], minlength=len(unique))))
         # a sum as a sparse product: ten times as fast as reduceat
-        self.of_block = _matrix(np.ones(len(order)), (kind * m + source)[order], ends, 4 * m)
+        shape = len(unique), 4 * m
+        self.of_block = csr_matrix((np.ones(len(order)), (kind * m + source)[order], ends), shape)
         self.ordering = ordering_of(position, self.row, self.column, 6)
         self.memory = _Memory(m, k)
 
@@ -143,9 +143,8 @@ class SparseMaps:
         self.carry = np.tile(np.eye(6), (len(self.first), 1, 1))
         self.carry[:, :3, 3:] = -skew(apart)
         self.carry[:, 3:, 3:] *= self.ratio[:, None, None]
-        near = np.broadcast_to(np.eye(6), self.carry.shape)
-        self.of_joint.data[:] = np.stack([near, -self.carry], axis=2).reshape(-1)[self.kept]
-        self.across.data[:] = rows.ravel()
+        # joints, and corners, side by side
+        self.carried = np.ascontiguousarray(self.carry.transpose(1, 2, 0))
         self.gather = np.ascontiguousarray(rows.transpose(1, 2, 0))
         self.groups = [
             (joints, corners, rows[corners].reshape(len(joints), -1, 6).swapaxes(1, 2))
@@ -154,11 +153,21 @@ class SparseMaps:
 
     def moved(self, motion: Floats) -> Floats:
         """As for few blocks."""
-        return np.asarray(self.across @ (self.of_joint @ motion.ravel())).reshape(-1, 3)
+        still = np.zeros((6, len(motion) + 1))  # the last one is that of supports
+        still[:, :-1] = motion.T
+        far = still.take(self.far, axis=1)
+        over = still.take(self.near, axis=1) - np.einsum("ijm,jm->im", self.carried, far)
+        return np.einsum("ijk,jk->ik", self.gather, over.take(self.joint, axis=1)).T
 
     def wrench(self, force: Floats) -> Floats:
         """As for few blocks."""
-        return np.asarray(self.on_blocks @ (self.back @ force.ravel())).reshape(-1, 6)
+        of_corner = np.einsum("ijk,ik->jk", self.gather, np.ascontiguousarray(force.T))
+        count, m = self.ordering.count, len(self.first)
+        both = np.empty((6, 2 * m))
+        near = np.add.reduceat(of_corner, self.first, axis=1, out=both[:, :m])
+        np.negative(np.einsum("ijm,im->jm", self.carried, near), out=both[:, m:])
+        found = np.bincount(self.place, both.ravel(), 6 * (count + 1)).reshape(-1, 6)
+        return np.asarray(found[:count], dtype=np.float64)
 
     def factorise(self, tangent: Floats, weight: Floats, rough: bool = True) -> Solve:
         """As for few blocks. Rough factors of many have single precision; solutions are refined."""
@@ -240,32 +249,6 @@ def corner_rows(axes: Floats, arm: Floats) -> Floats:
     out[..., :3] = axes
     cross(arm[..., None, :], axes, out[..., 3:])
     return out
-
-
-def _of_joints(near: Ints, far: Ints, count: int) -> tuple[sparse.csr_matrix, Ints]:
-    """(6 m, 6 n) motions of the near block of each joint over the far one, by those of blocks.
-
-    Its numbers are those at the given places among (m, 6, 2, 6), of the near block and of the far
-    one.
-    """
-    moves = np.zeros((len(near), 6, 2, 6), dtype=bool)
-    moves[near >= 0, :, 0] = np.eye(6)
-    turned = np.eye(6, dtype=bool)
-    turned[:3, 3:] = ~np.eye(3, dtype=bool)
-    moves[far >= 0, :, 1] = turned
-    column = 6 * np.stack([near, far], axis=1)[:, None, :, None] + np.arange(6)
-    column = np.broadcast_to(column, moves.shape)[moves]
-    start = np.append(0, np.cumsum(moves.reshape(-1, 12).sum(axis=1)))
-    made = _matrix(np.zeros(len(column)), column, start, 6 * count)
-    return made, np.flatnonzero(moves)
-
-
-def _matrix(values: Floats, column: Ints, start: Ints, width: int) -> sparse.csr_matrix:
-    """A sparse matrix whose row i has the entries from ``start[i]`` to ``start[i + 1]``."""
-    shape = len(start) - 1, width
-    wide = max(len(column), *shape) >= 2**31
-    index: np.dtype[np.signedinteger] = np.dtype(np.int64 if wide else np.int32)
-    return sparse.csr_matrix((values, column.astype(index), start.astype(index)), shape=shape)
 
 
 def _pattern(a: Ints, b: Ints) -> tuple[Ints, Ints, Ints, Ints]:

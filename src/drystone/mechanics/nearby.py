@@ -54,6 +54,9 @@ without and 19, 23 and 25 with it; 50 other domes, vaults and walls take 1,580 a
 LIMIT = 100
 """Steps at most; STALL ends a run long before."""
 
+_SUPPORT = np.array([np.inf])
+"""Forces on a support."""
+
 
 def find_rest_nearby(
     statics: Statics,
@@ -188,7 +191,7 @@ class _Law(Equation[_Point, Floats]):
         left = statics.wrench(response.force) + statics.load - ground
         scale = block_scale(statics, response.force)
         share = wrench_size(left) / scale
-        size, largest = float(np.linalg.norm(share)), float(share.max(initial=0.0))
+        size, largest = float(np.sqrt(share @ share)), float(share.max(initial=0.0))
         return _Point(motion, moved, response, ground, left, scale, size, largest)
 
     def tolerance(self, point: _Point) -> float:
@@ -226,7 +229,7 @@ class _Law(Equation[_Point, Floats]):
             return BLURRED * point.largest * self.statics.corner_load
         self.first = self.first or point.largest
         share = point.largest * min(1.0, point.largest / self.first)
-        scale = np.append(point.scale, np.inf)
+        scale = np.concatenate([point.scale, _SUPPORT])
         return BLURRED * share * scale[self.statics.blocks].min(axis=1)
 
     def after(self, point: _Point, step: Floats, length: float) -> _Point:

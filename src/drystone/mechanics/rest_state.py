@@ -125,4 +125,5 @@ def start_from(statics: Statics, compliance: Compliance, motion: Floats) -> Star
 def block_scale(statics: Statics, force: Floats) -> Floats:
     """Size (n,) of the forces on each block: its load and its corner forces (k, 3)."""
     total = statics.load_size + statics.on_blocks(lengths(force))
-    return np.where(total > 0.0, total, 1.0)
+    total[total <= 0.0] = 1.0
+    return total

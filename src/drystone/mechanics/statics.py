@@ -151,7 +151,7 @@ class Statics:
         """Number of free blocks, n."""
         return len(self.free)
 
-    @property
+    @cached_property
     def dry(self) -> bool:
         """Whether no joint pulls, coheres, has a limit of shear or crushes."""
         return self.crushing is None and not (
@@ -270,7 +270,7 @@ class Statics:
     def on_blocks(self, values: Floats) -> Floats:
         """(n,) sums of values (k,) over the corners of each free block."""
         both = np.concatenate([values, values])
-        return np.bincount(self._ends, both, self.free_count + 1)[1:].astype(np.float64)
+        return np.bincount(self._ends, both, len(self.free) + 1)[1:].astype(np.float64)
 
     @cached_property
     def _ends(self) -> Ints:
