@@ -23,6 +23,7 @@ from drystone import Model, Result, models, shells
 from drystone.design import find_mends
 
 ELIMINATION = (
+    "drystone.solvers.banded",
     "drystone.solvers.factors",
     "drystone.solvers.multifrontal",
     "drystone.mechanics.elimination",

@@ -22,6 +22,7 @@ FARTHEST = 1e30
 """[m], chosen: beyond any model, while the sixth power of it is still a number."""
 
 Floats: TypeAlias = NDArray[np.float64]
+Singles: TypeAlias = NDArray[np.float32]
 Ints: TypeAlias = NDArray[np.intp]
 Bools: TypeAlias = NDArray[np.bool_]
 

@@ -105,6 +105,7 @@ class SparseMaps:
 
     def __init__(self, block_a: Ints, block_b: Ints, length: Floats, position: Floats) -> None:
         n, k = len(position), len(block_a)
+        self.count = n
         begins = np.ones(k, dtype=bool)
         begins[1:] = (np.diff(block_a) != 0) | (np.diff(block_b) != 0)
         self.first, joint = np.flatnonzero(begins), np.cumsum(begins) - 1
@@ -162,7 +163,7 @@ class SparseMaps:
     def wrench(self, force: Floats) -> Floats:
         """As for few blocks."""
         of_corner = np.einsum("ijk,ik->jk", self.gather, np.ascontiguousarray(force.T))
-        count, m = self.ordering.count, len(self.first)
+        count, m = self.count, len(self.first)
         both = np.empty((6, 2 * m))
         near = np.add.reduceat(of_corner, self.first, axis=1, out=both[:, :m])
         np.negative(np.einsum("ijm,im->jm", self.carried, near), out=both[:, m:])

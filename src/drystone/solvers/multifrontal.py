@@ -20,12 +20,12 @@ from heapq import heapify, heappop, heappush
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg.blas import dgemm, sgemm
 from scipy.linalg.lapack import dgetrf, dgetri, dgetrs, sgetrf, sgetri, sgetrs
 
-from drystone.base.arrays import Floats, Ints
+from drystone.base.arrays import Floats, Ints, Singles
 from drystone.base.errors import SolverError
+from drystone.solvers.banded import Band
 
 ENTRY = 40.0
 """Operations in the time that it takes to add a number of one front to the next: about a
@@ -236,17 +236,12 @@ def _cut(order: Ints, pairs: tuple[Ints, Ints]) -> tuple[Ints, Ints, Ints]:
     return order[parted], order[low & ~parted], order[high & ~parted]
 
 
-ONE_FRONT = 20
-"""Nodes up to which a matrix is one front, whatever its graph: it takes 0.2 ms less to prepare."""
-
 ROUTINES: dict[type, tuple[Any, Any, Any, Any]] = {
     np.float64: (dgetrf, dgetrs, dgetri, dgemm),
     np.float32: (sgetrf, sgetrs, sgetri, sgemm),
 }
 """BLAS and LAPACK for each precision. Measured: with factors in single precision a check of
 domes and vaults of 600 to 2,000 blocks takes 0.75 of the time."""
-
-Singles = NDArray[np.float32]
 
 NONE = np.zeros(0, dtype=np.intp)
 """No nodes."""
@@ -329,9 +324,7 @@ class BlockOrdering:
         self.count = len(position)
         self.width = width
         neighbours = adjacency(self.count, row, column)
-        tree: list[tuple[Ints, list[int]]] = [(np.arange(self.count), [])] if self.count else []
-        if self.count > ONE_FRONT:
-            tree = dissect(position, neighbours, width)
+        tree = dissect(position, neighbours, width)
         self.fronts = _fronts(tree, neighbours, self.count, width)
         self.sizes = [
             (width * len(front.pivots), width * (len(front.pivots) + len(front.boundary)))
@@ -413,7 +406,14 @@ class BlockOrdering:
         return BlockFactor(self.fronts, self.order, factors, rough)
 
 
-def ordering_of(position: Floats, row: Ints, column: Ints, width: int) -> BlockOrdering:
+REACH = 100
+"""Numbers on each side of the diagonal up to which a matrix is one band. Measured, factors and a
+solution: an arch of 30 blocks, reach 11, takes 35 us in place of 256, a vault of 97, reach 65, 415
+in place of 576, a dome of 98, reach 113, 674 in place of 666 and a wall of 200, reach 119, 2,909 in
+place of 2,080."""
+
+
+def ordering_of(position: Floats, row: Ints, column: Ints, width: int) -> BlockOrdering | Band:
     """As :class:`BlockOrdering`; of the same graph it is made once, and the last ones are kept.
 
     The order of a graph that is not cut depends on no position.
@@ -425,13 +425,17 @@ def ordering_of(position: Floats, row: Ints, column: Ints, width: int) -> BlockO
 
 
 @lru_cache(maxsize=2)  # as many as a check needs: at rest, and with the faces that blocks may meet
-def _ordering_in_space(position: bytes, row: bytes, column: bytes, width: int) -> BlockOrdering:
+def _ordering_in_space(
+    position: bytes, row: bytes, column: bytes, width: int
+) -> BlockOrdering | Band:
     first, second = (np.frombuffer(nodes, dtype=np.intp) for nodes in (row, column))
-    return BlockOrdering(np.frombuffer(position).reshape(-1, 3), first, second, width)
+    place = np.frombuffer(position).reshape(-1, 3)
+    band = Band(len(place), first, second, width)
+    return band if band.reach <= REACH else BlockOrdering(place, first, second, width)
 
 
 @lru_cache(maxsize=16)
-def _ordering_of_graph(count: int, row: bytes, column: bytes, width: int) -> BlockOrdering:
+def _ordering_of_graph(count: int, row: bytes, column: bytes, width: int) -> BlockOrdering | Band:
     return _ordering_in_space.__wrapped__(bytes(24 * count), row, column, width)
 
 
