@@ -85,7 +85,7 @@ def corner_motion(assembly: Assembly, contacts: Contacts, motion: Floats) -> Flo
     motion : (n, 6) translation of the centroid and rotation vector of each block, world axes
     """
     of_a, of_b = corner_motions(assembly, contacts, motion)
-    return np.einsum("kij,kj->ki", contacts.frame[contacts.interface], of_b - of_a)
+    return np.einsum("kij,kj->ki", contacts.frame.take(contacts.interface, axis=0), of_b - of_a)
 
 
 def unbalanced_wrench(model: Model, force: Floats) -> tuple[Floats, Floats]:
@@ -101,7 +101,7 @@ def unbalanced_wrench(model: Model, force: Floats) -> tuple[Floats, Floats]:
     scale : (n,) [N]
     """
     assembly, contacts, load = model.assembly, model.contacts, model.load
-    world = np.einsum("ki,kij->kj", force, contacts.frame[contacts.interface])
+    world = np.einsum("ki,kij->kj", force, contacts.frame.take(contacts.interface, axis=0))
     size = assembly.size
     wrench = np.concatenate([load.wrench[:, :3], load.wrench[:, 3:] / size[:, None]], axis=1)
     scale = lengths(wrench[:, :3]) + lengths(wrench[:, 3:])
@@ -110,11 +110,11 @@ def unbalanced_wrench(model: Model, force: Floats) -> tuple[Floats, Floats]:
     pushed, strength = joints.sum(world), joints.sum(lengths(force))
     # moments about the first corner of each joint, which are then taken to the centroids
     first = contacts.point[contacts.start[:-1]]
-    arm = contacts.point - first[contacts.interface]
+    arm = contacts.point - first.take(contacts.interface, axis=0)
     about_first = joints.sum(cross(arm, world))
     block = np.concatenate([contacts.block_a, contacts.block_b])
     onto = np.concatenate([-pushed, pushed])
-    arms = np.concatenate([first, first]) - assembly.centroid[block]
+    arms = np.concatenate([first, first]) - assembly.centroid.take(block, axis=0)
     turned = np.concatenate([-about_first, about_first]) + cross(arms, onto)
     turned /= size[block, None]
     each = np.concatenate([strength, strength])[:, None]
@@ -467,6 +467,6 @@ def normalised(assembly: Assembly, motion: Floats) -> Floats:
 def corner_motions(assembly: Assembly, contacts: Contacts, motion: Floats) -> Floats:
     """Displacements (2, k, 3), world axes, of each corner as a point of block a and of block b."""
     blocks = contacts.corner_blocks
-    of_block = np.where(assembly.fixed[:, None], 0.0, motion)[blocks]
-    arm = contacts.point - assembly.centroid[blocks]
+    of_block = np.where(assembly.fixed[:, None], 0.0, motion).take(blocks, axis=0)
+    arm = contacts.point - assembly.centroid.take(blocks, axis=0)
     return of_block[..., :3] + cross(of_block[..., 3:], arm)

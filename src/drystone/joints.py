@@ -99,7 +99,7 @@ def world_forces(contacts: Contacts, force: Floats) -> Floats:
     force : (k, 3)
         At each corner, along n, u and v of its interface.
     """
-    return np.einsum("ki,kij->kj", force, contacts.frame[contacts.interface])
+    return np.einsum("ki,kij->kj", force, contacts.frame.take(contacts.interface, axis=0))
 
 
 def resultants_of(contacts: Contacts, force: Floats) -> Resultants:

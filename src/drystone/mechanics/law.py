@@ -375,18 +375,19 @@ def samples(
     tangential
         kt / kn of the first one.
     """
+    slips = (None, 10.0, 0.1, 100.0)[: (count + 1) // 2]
+    even = [uniform(statics, slip=slip, tangential=tangential) for slip in slips]
+    uneven: list[Compliance] = []
+    if count < 2:
+        return even, uneven
     rng = np.random.default_rng(seed)
     base = statics.normal_stiffness
     load, bound, tension = _slip_load(statics), _bound(statics), _tension(statics)
     place = statics.interface
     joints = int(place.max(initial=-1)) + 1
-    slips = (None, 10.0, 0.1, 100.0)[: (count + 1) // 2]
-    even = [uniform(statics, slip=slip, tangential=tangential) for slip in slips]
-    uneven = []
-    for _ in range(count // 2 if joints <= FEW_JOINTS else min(count // 2, 1)):
+    for _ in range(count // 2 if joints <= FEW_JOINTS else 1):
         normal = base * (10.0 ** rng.uniform(-0.5, 0.5, joints))[place]
-        slip = 10.0 ** rng.uniform(-0.5, 1.0)
-        law = SlipLength(bound, slip * load / base)
+        law = SlipLength(bound, 10.0 ** rng.uniform(-0.5, 1.0) * load / base)
         uneven.append(Compliance(normal, law, tension=tension))
     return even, uneven
 

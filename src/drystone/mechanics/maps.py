@@ -201,8 +201,7 @@ class SparseMaps:
         np.negative(parts[1:3], out=parts[1:3])
         out: Floats = (self.of_block @ parts.reshape(-1, 36)).reshape(-1, 6, 6)
         if weight.ndim == 2:
-            index = np.arange(6)
-            out[self.diagonal[:, None], index, index] += weight
+            out.reshape(-1, 36)[self.diagonal, ::7] += weight
         else:
             out[self.diagonal] += weight
         return out

@@ -110,7 +110,8 @@ def with_forces(
     """
     moved = statics.displacement(motion)
     normal = force[:, 0] if compliance.tension is not None else np.maximum(force[:, 0], 0.0)
-    if _Law(statics, compliance, options).at(motion, moved).largest <= options.tolerance:
+    begin = _Law(statics, compliance, options)
+    if motion.any() and begin.at(motion, moved).largest <= options.tolerance:
         return Start(motion, np.maximum(normal, 0.0))
     gap = compliance.gap_of(normal, moved[:, 0])
     slide = compliance.friction.slide_of(normal, -force[:, 1:], moved[:, 1:])
@@ -230,7 +231,7 @@ class _Law(Equation[_Point, Floats]):
         self.first = self.first or point.largest
         share = point.largest * min(1.0, point.largest / self.first)
         scale = np.concatenate([point.scale, _SUPPORT])
-        return BLURRED * share * scale[self.statics.blocks].min(axis=1)
+        return BLURRED * share * scale.take(self.statics.blocks.T).min(axis=0)
 
     def after(self, point: _Point, step: Floats, length: float) -> _Point:
         moved = point.moved + length * self.statics.displacement(step)

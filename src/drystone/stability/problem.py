@@ -158,12 +158,11 @@ class Problem:
         near = opening < -least * reach[:, joint]
         near |= ~contacts.dry[joint]  # a joint that pulls or coheres need not be pressed
         both, only_a, only_b = contacts.corners.any(near.T).T
-        while falling.any():
-            of_a, of_b = falling[a], falling[b]
-            pressed = (of_a & of_b & both) | (of_a & ~of_b & only_a) | (of_b & ~of_a & only_b)
-            if not pressed.any():
-                break
-            falling[a[pressed]] = falling[b[pressed]] = False
+        pressed = both & falling[a] & falling[b]
+        falling[a[pressed]] = falling[b[pressed]] = False
+        rests, loose = np.append(b[only_a], a[only_b]), np.append(a[only_a], b[only_b])
+        while (pressed := falling[loose] & ~falling[rests]).any():
+            falling[loose[pressed]] = False
         return falling
 
     @cached_property
