@@ -94,6 +94,8 @@ def _said_met(path: SettlementPath) -> str:
     return "".join(f", {one}" for one in first_of(told, "pairs more"))
 
 
+_Run: TypeAlias = tuple[SettlementPath, bool, dict[Carrier, Course]]
+
 MEETINGS = 3
 """How often what falls is followed again because vertices meet faces. Chosen."""
 
@@ -202,25 +204,59 @@ def _carried(
     apart = faces_apart(model, chosen.fall)
     falls = {} if falls is None else falls
     case = FollowedCase(model, apart, chosen, clock, moving, left_at, felt, falls, near)
-    paths = _paths(case)
-    for _ in range(MEETINGS):
-        if any(path.outcome is not Outcome.FALLS for path in paths) or clock.late():
+    tried = [(case, _begun(case))]
+    while len(tried) <= MEETINGS and (more := _with_met(*tried[-1])) is not None:
+        begun = _begun(more)
+        if not _on_faces(begun[0][0]):
             break
-        met = vertices_met(followed_model(model, case.apart)[0], paths[0].positions, chosen.fall)
-        if not len(met.contacts):
-            break
-        every = joined_contacts(case.apart.contacts, met.contacts)
-        gap = np.concatenate([case.apart.gap, met.gap])
-        more = replace(case, apart=Apart(every, gap), near=None)
-        case.falls.clear()  # of joints that are not all
-        again = _paths(more)
-        if not all(_on_faces(path) for path in again):
-            break
-        case, paths = more, again
+        tried.append((more, begun))
+    case, paths = _with_other_carrier(tried)
+    if len(tried) > 1:
+        falls.clear()
+        falls.update(case.falls)
     paths = _part_by_part(case, paths)
     outcome, message = outcome_of(paths, clock)
     spent = {"solve": clock.elapsed_s - began}
     return Settlement(outcome, message, paths, chosen, stopped=clock.reason, time_s=spent)
+
+
+def _with_met(case: FollowedCase, begun: list[_Run]) -> FollowedCase | None:
+    """What falls, with the vertices that pass through a face; None where there are none."""
+    path, *_ = begun[0]
+    if path.outcome is not Outcome.FALLS or case.clock.late():
+        return None
+    part, _ = followed_model(case.model, case.apart)
+    met = vertices_met(part, path.positions, case.chosen.fall)
+    if not len(met.contacts):
+        return None
+    every = joined_contacts(case.apart.contacts, met.contacts)
+    apart = Apart(every, np.concatenate([case.apart.gap, met.gap]))
+    return replace(
+        case, apart=apart, near=None, falls={}
+    )  # those known are of joints that are not all
+
+
+def _with_other_carrier(
+    tried: list[tuple[FollowedCase, list[_Run]]],
+) -> tuple[FollowedCase, tuple[SettlementPath, ...]]:
+    """The last of some cases with more and more vertices in which they count, and all its paths.
+
+    What falls with all vertices falls without some of them: those cases have no other carrier.
+    """
+    if tried[-1][1][0][0].outcome is Outcome.FALLS:
+        paths = _paths(*tried[-1])
+        falls = all(path.outcome is Outcome.FALLS and _on_faces(path) for path in paths)
+        if falls or len(tried) == 1:
+            return tried[-1][0], paths
+    found = tried[0][0], _paths(*tried[0])
+    for case, begun in tried[1:]:
+        if any(path.outcome is not Outcome.FALLS for path in found[1]):
+            break
+        again = _paths(case, begun)
+        if not all(_on_faces(path) for path in again):
+            break
+        found = case, again
+    return found
 
 
 def _part_by_part(
@@ -302,32 +338,40 @@ def _on_faces(path: SettlementPath) -> bool:
     return not points or still_on_faces(path.model, path.displacement, path.point, points)
 
 
-_Run: TypeAlias = tuple[SettlementPath, bool, dict[Carrier, Course]]
-
-
-def _paths(case: FollowedCase) -> tuple[SettlementPath, ...]:
-    """The paths of all carriers; those after one that is unknown are left out."""
-    clock, left_at = case.clock, case.left_at
+def _tries(case: FollowedCase) -> list[tuple[Carrier, bool]]:
+    """The carriers, and whether there is another one after each."""
     carriers = carriers_of(case.model, case.chosen)
-    tries = [(one, one is not carriers[-1]) for one in carriers]
-    known: list[_Run] = []
+    return [(one, one is not carriers[-1]) for one in carriers]
+
+
+def _begun(case: FollowedCase) -> list[_Run]:
+    """The run with the first carrier; of few blocks that workers follow those with all."""
+    clock, tries = case.clock, _tries(case)
     # of many blocks, the second run depends on the first one
-    if clock.workers is not None and len(carriers) > 1 and not case.many:
+    if clock.workers is not None and len(tries) > 1 and not case.many:
         with WorkerPool(clock.workers) as pool:
-            known = list(pool.answers(partial(_tried, case), tries, clock.late))
+            if known := list(pool.answers(partial(_tried, case), tries, clock.late)):
+                return known
+    # also where the workers were ended early
+    return [(*path_of(case, *tries[0], other=case.near), case.falls)]
+
+
+def _paths(case: FollowedCase, known: list[_Run]) -> tuple[SettlementPath, ...]:
+    """The paths of all carriers; those after one that is unknown are left out."""
+    left_at, tries = case.left_at, _tries(case)
     paths: tuple[SettlementPath, ...] = ()
     for number, which in enumerate(tries):
         # of many blocks the forces are much the same for both carriers
         stiff = paths[-1].overlap if paths and left_at < np.inf else None
-        other, asked = paths[-1] if paths else case.near, case
+        asked = case
         if paths and case.many and case.motion is None and paths[-1].outcome is Outcome.FALLS:
             # farther than what stands, wherever it goes from there both carriers end alike
             asked = replace(case, left_at=min(left_at, case.chosen.rest_within))
         if number < len(known):
             path, last, falls = known[number]
             case.falls.update(falls)
-        else:  # also where the workers were ended early: the beginning of the others
-            path, last = path_of(asked, *which, overlap=stiff, other=other)
+        else:
+            path, last = path_of(asked, *which, overlap=stiff, other=paths[-1])
         paths += (path,)
         if last or path.outcome is Outcome.UNKNOWN:
             break  # then the outcome is unknown, whatever the other one does

@@ -52,18 +52,20 @@ def test_a_block_tips_against_a_wall() -> None:
     assert np.count_nonzero(met[:, 0]) == 2
 
 
-def before_a_leaning_wall(gap: float, reach: float = 1.5) -> Model:
+def before_a_leaning_wall(
+    gap: float, reach: float = 1.5, begin: float = -1.0, friction: float = 0.9
+) -> Model:
     """A block that tips to a wall whose face leans away from it by 45 degrees."""
     foot = 0.5 + gap - 2.0
     wall = [(foot, 4.0), (foot + 4.0, 0.0), (foot + 6.0, 0.0), (foot + 2.0, 4.0)]
     blocks = (
-        box((8.0, 2.0, 1.0), (-1.0, -0.5, -1.0), "base"),
+        box((8.0, 2.0, 1.0), (begin, -0.5, -1.0), "base"),
         prism(wall, (-0.5, reach), "wall"),
         box((0.5, 1.0, 2.0), name="block"),
     )
     assembly = Assembly(blocks).with_fixed(["base", "wall"])
     load = LoadCase.tilt(assembly, (0.0, 1.0, 0.0), 20.0)
-    return Model.of(assembly, friction=0.9, load=load)
+    return Model.of(assembly, friction=friction, load=load)
 
 
 def test_an_edge_meets_a_face_that_it_is_not_parallel_to() -> None:
@@ -80,6 +82,24 @@ def test_an_edge_meets_a_face_that_it_is_not_parallel_to() -> None:
 
 def test_what_comes_to_a_face_too_far_away_falls() -> None:
     assert settle(before_a_leaning_wall(2.0)).outcome is Outcome.FALLS
+
+
+@pytest.mark.parametrize(
+    ("reach", "friction", "outcome", "resting"),
+    [(0.2, 0.2, Outcome.FALLS, 1), (1.5, 0.1, Outcome.DISPLACED, 2)],
+)
+def test_what_falls_with_the_vertices_that_meet_a_face_is_followed_with_both_carriers_only_then(
+    reach: float, friction: float, outcome: Outcome, resting: int
+) -> None:
+    ended = []
+    model = before_a_leaning_wall(0.02, reach, 0.0, friction)  # two faces end flush
+    found = settle(model, progress=lambda stage, done, total: ended.append((stage, done == total)))
+    assert found.outcome is outcome
+    assert [one.carrier for one in found.paths] == [Carrier.MOVING, Carrier.RESTING]
+    assert all(one.met for one in found.paths)
+    runs = [stage for stage, end in ended if end and "following" in stage]
+    assert sum("resting" in stage for stage in runs) == resting
+    assert sum("moving" in stage for stage in runs) == 2
 
 
 def test_joints_of_the_model_and_faces_that_touch_are_not_met() -> None:
