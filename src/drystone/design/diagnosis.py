@@ -162,10 +162,10 @@ def _region(
     interfaces = interfaces_of(model, blocks)
     local, position = local_model(model, blocks)
     large = len(blocks) > LARGE_REGION
-    whole = large and len(blocks) == model.assembly.free.size
-    alone = answer if whole else solve_alone(local, late)
+    known = large and (len(blocks) == model.assembly.free.size or answer.mechanism is not None)
+    alone = answer if known else solve_alone(local, late)
     wrench = prop[list(blocks)]
-    if not whole and alone.prop is not None and not alone.stable and np.any(alone.prop):
+    if not known and alone.prop is not None and not alone.stable and np.any(alone.prop):
         wrench = np.array(alone.prop[: len(blocks)])
     mine = np.zeros((len(model), 6))
     mine[list(blocks)] = wrench
@@ -224,7 +224,7 @@ class Region(OneLine):
     local
         The model of the region alone: first its blocks (free), then its neighbours (fixed).
     verdict
-        Of the local model.
+        Of the local model; of the whole, where a mechanism of it has more than 40 blocks here.
     joints
         First motion of each block at each of its interfaces.
     needs

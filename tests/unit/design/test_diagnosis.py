@@ -24,7 +24,7 @@ from drystone.design import (
 from drystone.design.props import find_props, with_props
 from drystone.design.regions import regions_of, with_wrenches
 from drystone.joint_capacity import JointCapacity
-from drystone.models import arch, box, h_model, prism, shelf, tower, wedge
+from drystone.models import arch, barrel_vault, box, h_model, prism, shelf, tower, wedge
 
 G = 9.81
 
@@ -374,3 +374,27 @@ def test_the_words_tell_the_motion_that_the_picture_shows() -> None:
     assert ("sliding" in drawn, "hinges" in drawn) == (True, False)
     assert "slides" in only(found).sentence
     assert "hinges" not in only(found).sentence
+
+
+def test_a_large_region_of_a_known_mechanism_is_not_checked_alone() -> None:
+    """A vault of 46 blocks that falls beside a block that stands."""
+    vault = barrel_vault(courses=15, blocks=3, length=2.0)
+    beside = (
+        box((0.5, 0.5, 0.2), (9.0, 0.0, 0.0), "base"),
+        box((0.5, 0.5, 0.2), (9.0, 0.0, 0.2)),
+    )
+    whole = Assembly((*vault.blocks, *beside))
+    whole = whole.with_fixed([*np.flatnonzero(vault.fixed).tolist(), "base"])
+    falls = Model.of(whole, friction=0.6, load=LoadCase.tilt(whole, (0.0, 1.0, 0.0), 21.0))
+    steps: list[None] = []
+
+    def stop() -> bool:
+        """Asked in each step of a check."""
+        steps.append(None)
+        return False
+
+    options = DiagnosisOptions(kinds=())
+    found = diagnose(falls, options=options, result=check(falls), stop=stop)
+    (region,) = found.regions
+    assert (region.verdict, len(steps)) == (Verdict.UNSTABLE, 0)
+    assert len(region.blocks) > 40
