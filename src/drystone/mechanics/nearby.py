@@ -65,7 +65,7 @@ def find_rest_nearby(
     start: Start,
     stop: Callable[[], bool] | None = None,
     hurried: bool = False,
-) -> RestState | None:
+) -> RestState:
     """The rest state near a start.
 
     Parameters
@@ -85,10 +85,10 @@ def find_rest_nearby(
     Returns
     -------
     RestState
-        Converged; None if the method does not converge, which proves nothing.
+        The last state. That it is not ``converged`` proves nothing.
     """
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        return descend(statics, compliance, options, start.motion, stop, True, hurried)[0]
+        return descend(statics, compliance, options, start.motion, stop, True, hurried)
 
 
 def with_forces(
@@ -130,8 +130,8 @@ def descend(
     stop: Callable[[], bool] | None = None,
     blurred: bool = False,
     hurried: bool = False,
-) -> tuple[RestState | None, int]:
-    """As :func:`find_rest_nearby`, from a motion (n, 6), with the number of Newton steps.
+) -> RestState:
+    """As :func:`find_rest_nearby`, from a motion (n, 6).
 
     With ``blurred``, corners about to open or close have part of their stiffness, and what is left
     may grow for one step.
@@ -141,15 +141,12 @@ def descend(
     idle = IDLE if blurred else np.inf
     chosen = Steps(LIMIT, SHORTEST, law.memory, chords=CHORDS, idle=idle)
     point, solved, steps = newton(law, begin, chosen)
-    if not solved:
-        return None, steps
     normal = compliance.normal * np.maximum(0.0, -point.moved[:, 0] - compliance.overlap)
     response = point.response
     tension = np.broadcast_to(response.tension, normal.shape)
-    state = RestState(
-        point.motion, normal, response.force, tension, point.ground, point.largest, True, steps
+    return RestState(
+        point.motion, normal, response.force, tension, point.ground, point.largest, solved, steps
     )
-    return state, steps
 
 
 class _Point(NamedTuple):

@@ -246,9 +246,9 @@ class _Path(Equation["_Point", tuple[Floats, Floats, Floats]]):
         statics, options, ended = self.statics, self.options, False
         if self.end is not None and not self.parts_far(point.moved):
             options, ended, self.end = self.end, True, None
-        state, steps = descend(statics, self.compliance, options, point.motion, self.stop)
-        self.steps += steps
-        if state is None or (ended and self.parts_far(statics.displacement(state.motion))):
+        state = descend(statics, self.compliance, options, point.motion, self.stop)
+        self.steps += state.iterations
+        if not state.converged or (ended and self.parts_far(statics.displacement(state.motion))):
             return None
         return replace(state, iterations=self.steps, ended=ended)
 

@@ -203,13 +203,16 @@ class StageCheck:
         asked = Asked(problem, self.options, Clock(self.each_s))
         near = near if problem.statics.dry else None
         if self.brief and near is not None and rest is None:
-            rest, start, near = asked.attempt().begun_at(near), near, None
+            attempt = asked.attempt()
+            rest, start, near = attempt.begun_at(near), near, None
             for missed in missing if rest is None else ():
                 alike = asked.attempt().begun_to_fall(start, missed)
                 if alike is not None:
                     return asked.unstable(ALIKE, *alike)
-            if rest is None and asked.collapse is not None:
-                return asked.unstable(UNBALANCED, asked.collapse)
+            motion = asked.falls_alone(attempt.last.motion) if rest is None else None
+            motion = asked.collapse if rest is None and motion is None else motion
+            if motion is not None:
+                return asked.unstable(UNBALANCED, motion)
         found = decided(asked, near=near, rest=rest)
         shown = found.verdict is not Verdict.UNDECIDED or found.samples.standing > 0
         if shown or not self.options.uniform:

@@ -170,7 +170,14 @@ class Attempt:
     problem, springs
     late
         Asked often; True ends the iteration with the present state.
+
+    Attributes
+    ----------
+    last
+        Where the last try near a start has ended.
     """
+
+    last: RestState
 
     def __init__(self, problem: Problem, springs: Compliance, late: Callable[[], bool]) -> None:
         self.problem = problem
@@ -222,7 +229,7 @@ class Attempt:
         there = missed.any(axis=1, keepdims=True)
         begin = Start(np.where(there, leaning, start.motion), start.normal)
         state = find_rest_nearby(statics, self.springs, TO_REST, begin, self.late)
-        if state is None:  # by way of the relaxed law
+        if not state.converged:  # by way of the relaxed law
             state = self._find(NEAREST.numerics, begin)
         if not state.converged or (self._falling(state.ground) != self._falling(missed)).any():
             return None
@@ -277,7 +284,8 @@ class Attempt:
         """The rest state that Newton's method on the unrelaxed law reaches, if there is one."""
         statics = self.problem.statics
         state = find_rest_nearby(statics, self.springs, PROVED, start, self.late, hurried)
-        if state is None:
+        self.last = state
+        if not state.converged:
             return None
         self.steps += state.iterations
         found = self._examined(state)
