@@ -353,7 +353,7 @@ def _begun(case: FollowedCase) -> list[_Run]:
             if known := list(pool.answers(partial(_tried, case), tries, clock.late)):
                 return known
     # also where the workers were ended early
-    return [(*path_of(case, *tries[0], other=case.near), case.falls)]
+    return [(*path_of(case, *tries[0], overlap=None, other=case.near), case.falls)]
 
 
 def _paths(case: FollowedCase, known: list[_Run]) -> tuple[SettlementPath, ...]:
