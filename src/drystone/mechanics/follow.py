@@ -36,7 +36,8 @@ SLOWER, FASTER, QUICK = 2.5, 0.9, 0.1
 """Factors on the drag after a refused increment, and after an easy one. Chosen: with 0.8, steps
 twice as long (0.64) moved the limit of one wedge by a degree; 0.4 moves those of two. The last is
 that nearly at rest, while no block moves by more than the overlap: else corners let go together,
-and a hood that rests up to 41.6 degrees falls at 41.5 too."""
+and a hood that rests up to 41.6 degrees falls at 41.5 too. It is the drag of few blocks at the
+beginning as well, by that with which no block moves by more than the overlap."""
 STEP, LONG_STEP = 2e-4, 2e-3
 """Longest increment relative to a block's size, and the same where the structure clearly moves:
 then the only question is whether it stops."""
@@ -182,7 +183,7 @@ class Follower(Increments):
         known: Course = (),
     ) -> None:
         super().__init__(bodies)
-        self.many = MANY if self.rough else 1.0
+        self.drag, self.many = (self.first, MANY) if self.rough else (QUICK * self.first, 1.0)
         self.bounds, self.step_limit = bounds, bounds.step_limit
         self.stop, self.tell, self.known = stop, tell, known
         self.course: list[tuple[float, Floats]] = []

@@ -256,6 +256,12 @@ def test_a_fall_tells_who_moves_and_how_it_ended_early_is_told() -> None:
     assert told[-1][1] == told[-1][2]
 
 
+def test_what_plainly_stands_rests_after_few_increments() -> None:
+    found = settle(Model.of(arch(0.15, 8), friction=0.9))
+    assert found.rests
+    assert found.path.steps <= 25  # begun with ten times the drag it takes 41
+
+
 def test_a_run_that_takes_too_many_newton_steps_has_no_end(monkeypatch: pytest.MonkeyPatch) -> None:
     whole = tilted(wedge("b"), X, 50.0)
     assert whole.rests
