@@ -307,10 +307,10 @@ def test_where_no_prop_carries_no_more_blocks_are_propped_than_with_ideal_props(
     assert "could not be shown to stand" in found.message
 
 
-def test_a_stage_on_struts_is_checked_with_other_stiffnesses_as_one_with_ideal_props_is():
-    """A look at a ring that is begun finds a rest state with uniform stiffness; it may fall."""
+def test_a_stage_on_struts_that_a_look_leaves_open_is_followed_as_one_with_ideal_props_is():
+    """A look at a ring that is begun finds no rest state with uniform stiffness; it falls."""
     sizes = {"courses": 5, "blocks": 12, "thickness": 0.4, "ground": "springers"}
-    model = shell_by_name("dome", **sizes).model(friction=0.6)
+    model = shell_by_name("dome", **sizes).model(friction=0.58)
     below = [name for name in model.assembly.names if "c01" <= name < "c03" and name != "c02-b05"]
     begun = [f"c03-b{number:02d}" for number in range(4)]
     placed, held = (
@@ -318,11 +318,11 @@ def test_a_stage_on_struts_is_checked_with_other_stiffnesses_as_one_with_ideal_p
         for names in ([*below, *begun], ["c02-b04", "c03-b03"])
     )
     stages = ScaffoldedStages(model, "strut")
-    assert stages.answer(placed, held).stands
+    assert stages.answer(placed, held).verdict is Verdict.UNDECIDED
     answer = stages.answer(placed, held, followed=True)
-    assert answer.verdict is Verdict.UNDECIDED
-    assert "it depends on the shear stiffness of the joints" in answer.message
-    assert "2 of 3 contact stiffnesses tried would hold it in place" in answer.message
+    assert answer.verdict is Verdict.UNSTABLE
+    assert "on strut: forces could balance the loads" in answer.message
+    assert "it falls: 'c03-b00'" in answer.message
 
 
 @pytest.mark.parametrize(
