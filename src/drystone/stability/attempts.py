@@ -193,8 +193,8 @@ class Attempt:
     ) -> Candidate | None:
         """The rest state near displacements (n, 6) [m, rad] of a similar model, if there is one.
 
-        A level that is not patient also follows the relaxed law from there, as the level NEAREST
-        where ``hopeless``.
+        A level that is not patient also follows the relaxed law from there; where ``hopeless`` it
+        does this alone, as the level NEAREST.
 
         Raises
         ------
@@ -202,10 +202,11 @@ class Attempt:
             They have another shape, or are not finite.
         """
         start = self._start(displacement)
-        found = self._near(start)
+        unlikely = screening != NEAREST and not screening.patient and hopeless()
+        found = None if unlikely else self._near(start)
         if found is not None or screening.patient:
             return found
-        numerics = (NEAREST if screening != NEAREST and hopeless() else screening).numerics
+        numerics = (NEAREST if unlikely else screening).numerics
         # Newton's method on the unrelaxed law was tried there already
         return self._followed(
             replace(numerics, polish=POLISH_AGAIN * numerics.warm_relaxation), screening, start
@@ -434,8 +435,8 @@ def try_rest(
         begins there, which halves the steps where few blocks differ. The size of the motion does
         not matter. A patient level that finds nothing from the start also begins from nothing.
     hopeless
-        Asked where there is no rest state very near the start: whether to look no farther than
-        the level NEAREST.
+        Asked of a level that is not patient: whether to look from the start as the level NEAREST
+        only.
 
     Returns
     -------
