@@ -118,7 +118,6 @@ def measure(work: Workload, whole: bool, enough_s: float = ENOUGH_S) -> dict[str
     result, seconds = timed(_question(work, assembly, contacts, load), enough_s)
     row |= {
         "total_s": seconds,
-        "check_s": _share(result, "check") * seconds,
         "verdict": result.verdict.value,
         "right": result.verdict is work.expected,
         "defect": defect(result),
@@ -146,12 +145,6 @@ def _question(
     return lambda: check(Model(assembly, contacts, load), options=UNIFORM)
 
 
-def _share(result: Result, phase: str) -> float:
-    """Share of a phase in the time that the result tells."""
-    total = sum(result.time_s.values())
-    return result.time_s.get(phase, 0.0) / total if total > 0.0 else 0.0
-
-
 def _tilt_limit(
     work: Workload, assembly: Assembly, contacts: Contacts, enough_s: float
 ) -> dict[str, Any]:
@@ -168,7 +161,6 @@ def _tilt_limit(
     near = abs(rest - ARCH_LIMIT) <= 0.1
     return {
         "total_s": seconds,
-        "check_s": 0.0,
         "verdict": f"{rest:.2f} deg",
         "right": near,
         "defect": "" if near else f"{ARCH_LIMIT} published, equilibrium {balance:.2f}",
@@ -195,7 +187,6 @@ def _piles(row: dict[str, Any], enough_s: float) -> dict[str, Any]:
         wrong = wrong or _unproved(one, seed)
     return row | {
         "total_s": seconds,
-        "check_s": 0.0,
         "verdict": ", ".join(f"{number} {name}" for name, number in sorted(count.items())),
         "right": True,
         "defect": wrong,

@@ -145,14 +145,13 @@ def seconds(value: float | None) -> str:
 def table(rows: Sequence[Row]) -> list[str]:
     """Markdown lines."""
     lines = [
-        "| group | model | blocks | corners | build | detect | solve | check | at most | answer "
+        "| group | model | blocks | corners | build | detect | solve | at most | answer "
         "| with all stiffnesses | stands for | peak MiB | peer cra_solve | peer's answer | ratio "
         "| ratio, all | detect, now by before | solve, now by before |",
-        "|---" * 19 + "|",
+        "|---" * 18 + "|",
     ]
     for row in rows:
         ours, peer, wrong = row.ours, row.peer, row.wrong
-        total, checking = row.seconds, ours.get("check_s", 0.0)
         more = ">" if peer.get("stopped") else ""
         cells = [
             GROUPS[row.work.group],
@@ -161,8 +160,7 @@ def table(rows: Sequence[Row]) -> list[str]:
             ours.get("corners", ""),
             seconds(ours.get("build_s")),
             seconds(ours.get("detect_s")),
-            seconds(total - checking),
-            seconds(checking) if not wrong else "",
+            seconds(row.seconds),
             seconds(row.work.aim_s),
             f"WRONG: {wrong}" if wrong else ours["verdict"],
             seconds(ours.get("whole_s")) if not wrong else "",
