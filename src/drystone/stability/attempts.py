@@ -207,7 +207,7 @@ class Attempt:
         if found is not None or screening.patient:
             return found
         numerics = (NEAREST if unlikely else screening).numerics
-        # Newton's method on the unrelaxed law was tried there already
+        # Newton's method on the unrelaxed law was tried there, or is unlikely to help
         return self._followed(
             replace(numerics, polish=POLISH_AGAIN * numerics.warm_relaxation), screening, start
         )
