@@ -54,9 +54,6 @@ without and 19, 23 and 25 with it; 50 other domes, vaults and walls take 1,580 a
 LIMIT = 100
 """Steps at most; STALL ends a run long before."""
 
-_SUPPORT = np.array([np.inf])
-"""Forces on a support."""
-
 
 def find_rest_nearby(
     statics: Statics,
@@ -227,7 +224,7 @@ class _Law(Equation[_Point, Floats]):
             return BLURRED * point.largest * self.statics.corner_load
         self.first = self.first or point.largest
         share = point.largest * min(1.0, point.largest / self.first)
-        scale = np.concatenate([point.scale, _SUPPORT])
+        scale = np.append(point.scale, np.inf)
         return BLURRED * share * scale.take(self.statics.blocks.T).min(axis=0)
 
     def after(self, point: _Point, step: Floats, length: float) -> _Point:

@@ -39,7 +39,7 @@ from drystone.sequence.structure import Structure
 TOGETHER, SHARD = 500, 512
 """Subsets of one structure that a worker answers about, at least, which know what is known of the
 others; and orders in a file. Chosen: some seconds of work, and some megabytes. Measured: with eight
-orders, of 7 and 11 subsets, an arch and a bridge have a third and a half as many rows a second."""
+orders, of 7 and 11 subsets, an arch and a bridge have a quarter as many rows a second."""
 
 Stages: TypeAlias = list[tuple[list[int], list[int]]]
 """Blocks placed at each step of an order of assembly, and those held after it."""

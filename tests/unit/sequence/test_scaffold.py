@@ -6,7 +6,7 @@ from functools import cache, partial
 import numpy as np
 import pytest
 
-from drystone import Assembly, Block, Model, Verdict, check, models
+from drystone import Assembly, Block, LoadCase, Model, Verdict, check, models
 from drystone.base.errors import InputError
 from drystone.geometry.solid import distance
 from drystone.models import arch, box
@@ -305,6 +305,24 @@ def test_where_no_prop_carries_no_more_blocks_are_propped_than_with_ideal_props(
     ideal, found = plan(model, options=options), plan(model, options=weak)
     assert found.counts["propped"] == ideal.counts["propped"] == 1
     assert "could not be shown to stand" in found.message
+
+
+def test_a_stage_on_struts_that_a_look_finds_at_rest_is_followed_where_it_slides_far():
+    """A wedge tilted by 41.5 degrees: it slides far, and the ends of its joints decide."""
+    parts = models.wedge("b")
+    assembly = Assembly((
+        *parts.blocks,
+        box((1.0, 1.0, 1.0), (6.0, 0.0, 0.0), "pier"),
+        box((1.0, 0.5, 1.2), (6.0, -0.5, 0.0), "stop"),
+        box((2.4, 1.0, 0.2), (6.0, 0.0, 1.0), "slab"),
+    )).with_fixed(["left", "right", "pier", "stop"])  # fmt: skip
+    load = LoadCase.tilt(assembly, (1.0, 0.0, 0.0), 41.5)
+    stages = ScaffoldedStages(Model.of(assembly, friction=0.84, load=load), "strut")
+    placed, held = (mask_of(assembly.indices(names)) for names in (["wedge", "slab"], ["slab"]))
+    assert stages.answer(placed, held).stands
+    answer = stages.answer(placed, held, followed=True)
+    assert answer.verdict is Verdict.UNDECIDED
+    assert "on strut: the ends of the joints decide" in answer.message
 
 
 def test_a_stage_on_struts_that_a_look_leaves_open_is_followed_as_one_with_ideal_props_is():
