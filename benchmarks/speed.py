@@ -22,7 +22,8 @@ from typing import Any
 
 from benchmarks.machine import ROOT, ask, checkout_of, description
 from benchmarks.tables import TABLES, write_table
-from benchmarks.workloads import LARGE, WALLS, Workload, workloads
+from benchmarks.workloads import LARGE, WALLS, Task, Workload, workloads
+from drystone import Verdict
 
 GROUPS = {
     "armadillo": "Armadillo vault",
@@ -43,13 +44,17 @@ ALL_BY_ONE = 2.5
 from LARGE blocks on the time with all stiffnesses by that with the uniform one alone."""
 
 
+CONVEX = ("piqp", "clarabel")
+
+
 @dataclass(frozen=True)
 class Row:
-    """A workload, what was measured, and the peer's part."""
+    """A workload, what was measured, the peer's part, and that of convex solvers."""
 
     work: Workload
     ours: dict[str, Any]
     peer: dict[str, Any]
+    convex: dict[str, Any] = field(default_factory=dict)
     before: dict[str, Any] = field(default_factory=dict)
 
     def slower(self, phase: str = "total_s") -> float:
@@ -84,6 +89,18 @@ class Row:
             return math.nan
         return float(self.peer["solve_s"]) / float(self.ours[phase])
 
+    def convex_ratio(self, phase: str = "total_s") -> float:
+        """Time of the faster convex solver for RBE by ours; not a number where none solved it."""
+        times = [self.convex[f"{name}_s"] for name in CONVEX if f"{name}_s" in self.convex]
+        own = {"rbe_s": self.convex.get("rbe_s"), "total_s": self.seconds}[phase]
+        return min(times) / own if times and own else math.nan
+
+    @property
+    def differs(self) -> bool:
+        """Whether both convex solvers say other than our RBE."""
+        ours = self.convex.get("rbe") == Verdict.EQUILIBRIUM_EXISTS.value
+        return bool(self.convex) and all((self.convex[n] == "solved") != ours for n in CONVEX)
+
 
 def run(
     chosen: Sequence[Workload], arguments: argparse.Namespace, tell: Callable[[str], None]
@@ -95,7 +112,10 @@ def run(
         for work in chosen:
             rows.append(_row(work, arguments, checkout))
             row = rows[-1]
-            against = f", {row.slower():.2f} times the time before" if row.slower() > 0.0 else ""
+            against = ""
+            for phase, word in (("detect_s", "contacts"), ("total_s", "solve")):
+                if row.slower(phase) > 0.0:
+                    against += f", {word} {row.slower(phase):.2f} times the time before"
             if "answer" in row.peer:
                 against += f", peer {row.peer['solve_s']:.3f} s ({row.peer['answer']})"
             tell(f"{work.key:28s} {row.wrong or f'{row.seconds:.4f} s'}{against}")
@@ -110,7 +130,9 @@ def _row(work: Workload, arguments: argparse.Namespace, before: Path | None) -> 
     ours = ask([*command, *whole], arguments.limit)
     earlier = {} if before is None else ask([*command, *whole], arguments.limit, before)
     peer = asked(command, arguments) if work.peer and arguments.peer else {}
-    return Row(work, ours, peer, earlier)
+    forces = work.task in (Task.VERDICT, Task.BALANCE) and arguments.convex
+    others = ask([*command, "--convex"], arguments.limit) if forces else {}
+    return Row(work, ours, peer, others, earlier)
 
 
 def asked(command: Sequence[str | Path], arguments: argparse.Namespace) -> dict[str, Any]:
@@ -147,8 +169,8 @@ def table(rows: Sequence[Row]) -> list[str]:
     lines = [
         "| group | model | blocks | corners | build | detect | solve | at most | answer "
         "| with all stiffnesses | stands for | peak MiB | peer cra_solve | peer's answer | ratio "
-        "| ratio, all | detect, now by before | solve, now by before |",
-        "|---" * 18 + "|",
+        "| ratio, all | our RBE | PIQP | Clarabel | best of both by RBE | best by solve |",
+        "|---" * 21 + "|",
     ]
     for row in rows:
         ours, peer, wrong = row.ours, row.peer, row.wrong
@@ -170,8 +192,9 @@ def table(rows: Sequence[Row]) -> list[str]:
             peer.get("answer", ""),
             more + seconds(row.ratio()) if row.ratio() == row.ratio() else "",
             more + seconds(row.ratio("whole_s")) if row.ratio("whole_s") > 0.0 else "",
-            seconds(row.slower("detect_s")),
-            seconds(row.slower()),
+            *(seconds(row.convex.get(f"{name}_s")) for name in ("rbe", *CONVEX)),
+            seconds(row.convex_ratio("rbe_s")),
+            seconds(row.convex_ratio()),
         ]
         lines.append("| " + " | ".join(str(cell) for cell in cells) + " |")
     return lines
@@ -231,6 +254,17 @@ def aims(rows: Sequence[Row]) -> list[str]:
         line("wall-400, peer / ours", f"least {WALL_RATIO:g}", ratio, ratio >= WALL_RATIO)
     sized = [by_key[f"wall-{n}"] for n in WALLS if f"wall-{n}" in by_key]
     big = [(r.ours.get("blocks", 0), r.seconds) for r in sized if r.ours.get("blocks", 0) >= 400]
+    for what, rows_of in (
+        ("models of less than 100 blocks", lambda n: n < 100),
+        ("of 100 to 399", lambda n: 100 <= n < 400),
+        ("of 400 and more", lambda n: n >= 400),
+    ):
+        found = [row.convex_ratio() for row in rows if rows_of(row.ours.get("blocks", 0))]
+        found = [ratio for ratio in found if ratio == ratio]
+        if found:
+            middle = statistics.median(found)
+            line(f"RBE by the best convex solver / our check, {what}, median", "", middle, None)
+    line("RBE answers that differ from both", "0", (n := sum(r.differs for r in rows)), n == 0)
     exponent = slope(big)
     line("growth exponent from 400 blocks", f"{GROWTH:g}", exponent, exponent <= GROWTH)
     theirs = slope(
@@ -252,6 +286,7 @@ def main() -> int:
     parser.add_argument("--armadillo", type=Path, help="model file of the Armadillo vault")
     parser.add_argument("--peer", type=Path, help="python of an environment with compas_cra 0.8.0")
     parser.add_argument("--peer-limit", type=float, default=300.0, help="CPU seconds per model")
+    parser.add_argument("--convex", action="store_true", help="RBE by convex solvers as well")
     parser.add_argument(
         "--before",
         default="",

@@ -2,9 +2,7 @@
 
 Random orders of removal: the next block is one of the 16 highest in place, as a planner tries them,
 and what is no longer connected to a support goes with it. Where a model has too few subsets one
-block of each is held. PIQP (``pip install "drystone[benchmarks]"``) is asked whether any forces
-balance the loads, with a pyramid of eight sides for each cone of friction, on matrices that were
-made for the subset before: less than a check answers. Times are CPU seconds of one thread.
+block of each is held. PIQP is asked too (`benchmarks.convex`). Times are CPU seconds of one thread.
 
 ``--check`` asks ``drystone.check`` about every subset too; another verdict ends with exit code 1.
 """
@@ -18,13 +16,10 @@ from collections import Counter
 from collections.abc import Callable
 
 import numpy as np
-from scipy import sparse
 
+from benchmarks.convex import by_piqp
 from benchmarks.machine import description
 from drystone import Assembly, Model, Structure, Verdict, check, models
-from drystone.formulations.corner_forces import FrictionCone
-from drystone.formulations.equilibrium import build_equilibrium
-from drystone.mechanics.statics import build_statics
 from drystone.sequence import Stage, StagedModel
 from drystone.sequence.stages import members
 from drystone.solvers.threads import one_blas_thread
@@ -65,28 +60,6 @@ def cut_out(model: Model, subset: Subset) -> Model:
     return part.with_contacts(part.contacts.select(part.active))
 
 
-def by_piqp(part: Model) -> tuple[str, float]:
-    """What PIQP says of forces that balance the loads, and its time [s]."""
-    import piqp  # optional: what the times are compared with
-
-    if part.assembly.fixed.all():
-        return "solved", 0.0
-    program = build_equilibrium(build_statics(part), cone=FrictionCone.octagon())
-    equal, matrix = program.cones.zero, sparse.csr_matrix(program.matrix)
-    cost = sparse.csc_matrix(sparse.diags(np.full(matrix.shape[1], 1e-3)))
-    balance, friction = (sparse.csc_matrix(one) for one in (matrix[:equal], matrix[equal:]))
-    right = program.right[equal:]
-    began = time.process_time()
-    solver = piqp.SparseSolver()
-    solver.setup(
-        cost, np.zeros(matrix.shape[1]), balance, program.right[:equal], friction,
-        np.full(len(right), -np.inf), right,
-    )  # fmt: skip
-    status = solver.solve()
-    said = status.name.removeprefix("PIQP_").lower()
-    return said, time.process_time() - began
-
-
 @one_blas_thread()
 def measured(name: str, chosen: argparse.Namespace) -> int:
     """Print the row of a model; the number of subsets with another verdict than a check."""
@@ -104,9 +77,9 @@ def measured(name: str, chosen: argparse.Namespace) -> int:
         times, found = [], []
         for placed, held in asked:
             blocks, fixed = list(members(placed)), list(members(held))
-            began = time.process_time()
+            began = time.thread_time()
             found.append(structure.stands(blocks, held=fixed))
-            times.append(time.process_time() - began)
+            times.append(time.thread_time() - began)
         ours, most = 1e3 * float(np.mean(times)), 1e3 * max(times)
         kinds = Counter(one.verdict.value for one in found)
         kind = "robust" if robust else "plain "
@@ -128,9 +101,9 @@ def compared(model: Model, asked: list[Subset], verdicts: list[Verdict]) -> int:
     times, wrong = [], 0
     for number, (subset, verdict) in enumerate(zip(asked, verdicts, strict=True)):
         part = cut_out(model, subset)
-        began = time.process_time()
+        began = time.thread_time()
         found = check(part)
-        times.append(time.process_time() - began)
+        times.append(time.thread_time() - began)
         if found.verdict is not verdict:
             wrong += 1
             print(f"  {number}: {verdict}; check says {found.verdict}", flush=True)
