@@ -150,7 +150,8 @@ def searched(
         with suppress(Stopped):
             first.evaluate([start, start + _FIRST * (end - start)])
     means.tell("limit of equilibrium", 0)
-    outer, least = bound(means.clock.late)
+    late = means.clock.late
+    outer, least = (Bracket(), 0.0) if late() else bound(late)  # to begin takes long
     between = time.perf_counter()
     if first.results:  # in case that time is up
         near = first.so_far(start)
