@@ -68,6 +68,27 @@ def test_the_ratio_is_the_time_of_the_peer_by_ours():
     assert ">120" in speed.table([stopped])[-1]
 
 
+def test_the_faster_convex_solver_is_compared_and_one_that_agrees_is_enough():
+    said = {"rbe": "equilibrium exists", "piqp": "solved", "clarabel": "failed"}
+    one = replace(row(), convex=said | {"rbe_s": 0.25, "piqp_s": 1.0, "clarabel_s": 2.0})
+    assert (one.convex_ratio("rbe_s"), one.convex_ratio()) == (4.0, 2.0)
+    assert not one.differs
+    assert replace(one, convex=one.convex | {"piqp": "primal_infeasible"}).differs
+    assert (math.isnan(row().convex_ratio()), row().differs) == (True, False)
+
+
+def test_convex_solvers_are_asked_what_our_rbe_is_asked():
+    pytest.importorskip("piqp")
+    for key, ours, theirs in (
+        ("type-d@41", "equilibrium exists", {"solved"}),
+        ("type-d@41.6", "unstable", {"primal_infeasible", "infeasible"}),
+    ):
+        found = measure.convex(WORK[key], enough_s=0.0)
+        assert found["rbe"] == ours
+        assert {found["piqp"], found["clarabel"]} <= theirs
+        assert min(found[f"{name}_s"] for name in ("rbe", *speed.CONVEX)) > 0.0
+
+
 def test_each_phase_is_compared_with_the_commit_before():
     before = {"right": True, "total_s": 0.25, "detect_s": 0.1}
     pair = replace(row({"detect_s": 0.11}), before=before)
