@@ -10,10 +10,22 @@ import pytest
 from benchmarks.workloads import random_pile
 from drystone import Assembly, CheckOptions, LoadCase, Model, Verdict, check, settle, solve_cra
 from drystone.assembly import replace_block
+from drystone.checks import check_forces
 from drystone.design import MendOptions, find_mends
 from drystone.geometry.frames import rotation_about
 from drystone.limits.limit_types import every_stiffness
-from drystone.models import box, bridge, concave, cube_curve, h_model, random_pack, wall, wedge
+from drystone.models import (
+    box,
+    bridge,
+    concave,
+    cube_curve,
+    dome,
+    h_model,
+    random_pack,
+    snake,
+    wall,
+    wedge,
+)
 from drystone.models.simple import prism
 from drystone.results import Sensitivity
 from drystone.settlement import Carrier, Outcome, SettlementOptions
@@ -295,6 +307,18 @@ def test_a_rest_state_that_slides_far_is_followed() -> None:
     near = check(tilted(wedge("a"), X, 59.1), options=CheckOptions.robust())
     assert near.settlement is None
     assert "whichever joints press more" in near.message
+
+
+@pytest.mark.parametrize(
+    "model",
+    [tilted(snake(), X, 15.0, 0.7), tilted(dome(slices=20, rings=8, bonded=True), Y, 36.0)],
+    ids=["snake", "dome"],
+)
+def test_what_rests_while_friction_goes_back_and_forth_is_not_followed(model: Model) -> None:
+    """Many corners stick and slip in turn: given the friction, each round has one state."""
+    found = check(model)
+    assert (found.stable, found.settlement, found.sensitive) == (True, None, False)
+    assert check_forces(found.model, found.force, found.displacement).largest < 1e-8
 
 
 def flat_arch(depth: float) -> Assembly:
