@@ -124,6 +124,7 @@ def plan(
     model = StagedModel(as_model(given, **how), check or check_both)
     if check is None:
         model = replace(model, quick=stage_screening(model.largest[0]))
+    clock.tell("planning", 0, len(model.assembly.free))
     bound = bind(chosen.rules, model, RemovalTest(model))
     workers, late = clock.workers, clock.late
     with Evaluator(model, executor=workers, checkpoint=checkpoint, late=late) as evaluator:

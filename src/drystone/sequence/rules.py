@@ -338,6 +338,7 @@ def _impossible(bound: BoundRules) -> dict[int, str]:
             out[block] = why_not(robots, body.name, body.centroid, body.mass) if robots else heavy
     out = _with_later(out, bound)
     left = model.everything & ~mask_of(out)
+    ordered = mask_of(block for block, later in enumerate(bound.after) if later)
     waiting = left & ~bound.core
     while waiting:
         block = next(members(waiting))
@@ -345,8 +346,8 @@ def _impossible(bound: BoundRules) -> dict[int, str]:
         if not bound.can_leave(block, left):
             continue
         left &= ~(1 << block)
-        waiting |= left & model.neighbours[block] & ~bound.core
-        waiting |= mask_of(b for b in members(left & ~bound.core) if bound.after[b] >> block & 1)
+        before = mask_of(b for b in members(left & ordered) if bound.after[b] >> block & 1)
+        waiting |= (model.neighbours[block] & left | before) & ~bound.core
     for block in members(left & ~bound.core):
         there = "must be placed before blocks that are there already"
         out[block] = there if removal.free(block, left) else removal.reason(block, left)
@@ -393,8 +394,7 @@ class RemovalTest(OneLine):
         """Straight directions in which a block can be removed from the blocks in place."""
         key = self._key(block, placed)
         if key not in self._known:
-            normals = self._normals(*key)
-            self._known[key] = freedom(normals, self.model.up)
+            self._known[key] = freedom(self._normals(*key), self.model.up)
         return self._known[key]
 
     def direction(self, block: int, placed: int) -> Floats | None:
@@ -433,8 +433,7 @@ class RemovalTest(OneLine):
 
     def _turns(self, block: int, placed: int) -> bool:
         """Whether a block without a straight path has one with rotation."""
-        around = self._here(self._key(block, placed)[1])
-        joints = Joints.of(self.model.contacts, block, around)
+        joints = Joints.of(self.model.contacts, block, self._here(placed))
         if free_twists(joints.rows(self.model.assembly.blocks[block])).blocked:
             return False
         return isinstance(self.path(block, placed), RemovalPath)
@@ -456,7 +455,7 @@ class RemovalTest(OneLine):
     def _normals(self, block: int, placed: int) -> Floats:
         """Normals (j, 3) into a block of its joints with those in place."""
         if block not in self._all:
-            everything = self._here(self.model.everything)
+            everything = np.ones(len(self.model.assembly), dtype=bool)
             self._all[block] = Joints.of(self.model.contacts, block, everything)
-        joints = self._all[block]
-        return joints.normal[self._here(placed)[joints.other]]
+        joints, fixed = self._all[block], self.model.assembly.fixed
+        return joints.normal[[bool(fixed[b] or placed >> b & 1) for b in joints.other.tolist()]]

@@ -347,6 +347,17 @@ def test_a_step_that_needs_help_tells_why():
     assert all(told[name] for name in ("voussoir-02", "voussoir-03"))
 
 
+def test_a_plan_says_its_first_word_before_anything_is_checked():
+    said = []
+
+    def spy(model, **how):
+        said.append("check")
+        return check_both(model, **how)
+
+    plan(Model.of(tower(4)), check=spy, progress=lambda what, *_: said.append(what))
+    assert said[:2] == ["planning", "check"]
+
+
 def test_a_plan_that_is_stopped_keeps_the_verdict_of_the_complete_structure():
     asked = []
     found = plan(Model.of(tower(4)), stop=lambda: bool(asked.append(1)) or len(asked) > 1)
