@@ -208,11 +208,18 @@ def solve_rbe(
     clock = Clock.of(how)
     clock.limit_s = min(clock.limit_s, chosen.conic.time_limit_s)
 
-    def ask(model: Model) -> Result:
-        """The answer on the contacts of a model, and of what touches beside them."""
-        return unless_more_holds(_answer(model, chosen, clock), ask)
+    alone = replace(chosen, tension=False)
+    any_forces = replace(alone, conic=replace(alone.conic, gap=ANY_FORCES))
 
-    return ask(as_model(given, **how))
+    def ask(model: Model, by: RBEOptions = alone) -> Result:
+        """The answer on the contacts of a model, and of what touches beside them."""
+        found = _answer(model, by, clock)
+        return unless_more_holds(found, partial(ask, by=by), partial(ask, by=any_forces))
+
+    found = ask(as_model(given, **how))
+    if chosen.tension and found.verdict is not Verdict.EQUILIBRIUM_EXISTS:
+        found = _with_tension(found, chosen, clock)
+    return replace(found, options=chosen, time_s={"solve": clock.elapsed_s})
 
 
 def _answer(model: Model, chosen: RBEOptions, clock: Clock) -> Result:
@@ -231,20 +238,10 @@ def _answer(model: Model, chosen: RBEOptions, clock: Clock) -> Result:
         if chosen.any_forces or strong.verdict is not Verdict.EQUILIBRIUM_EXISTS:
             return strong
 
-    def run(tension: bool) -> EquilibriumSolution:
-        clock.tell("forces with tension" if tension else "equilibrium", int(tension), 2)
-        return solved(
-            partial(_program, options=chosen, tension=tension),
-            problem.statics,
-            replace(chosen.conic, time_limit_s=clock.left_s),
-            stop=clock.late,
-            vertex=chosen.objective is Objective.VERTEX,
-        )
-
-    solution = run(False)
+    solution = _solution(problem, chosen, clock)
     verdict, mechanism = Verdict.UNDECIDED, None
     message = f"the interior point ended with '{solution.raw.message}'"
-    force = tension = residuals = None
+    force = residuals = None
     if solution.raw.status is ConicStatus.SOLVED:
         force = problem.force(solution.force)
         pull = None if solution.pull is None else problem.force(solution.pull[:, None])
@@ -267,21 +264,41 @@ def _answer(model: Model, chosen: RBEOptions, clock: Clock) -> Result:
         elif clock.late():
             steps = solution.raw.iterations
             message = f"{clock.reason} in the interior point (steps: {steps})"
-        if chosen.tension and not clock.late():
-            penalised = run(True)
-            if penalised.raw.status is ConicStatus.SOLVED:
-                force = problem.force(penalised.force)
-                tension = problem.force(penalised.tension[:, None])[:, 0]
-                residuals = check_forces(problem.model, force)
-            elif clock.late():
-                message += f"; {clock.reason} before the tension that it needs was known"
-            elif chosen.rule is FrictionRule.NET:
-                message += "; friction on the net normal force cannot balance them with tension"
-    raw, known = solution.raw, {"force": force, "tension": tension, "residuals": residuals}
     return _result(
-        problem, chosen, clock, verdict, message, mechanism, raw.iterations, raw.solver,
-        stopped=clock.reason, **known,
+        problem, chosen, clock, verdict, message, mechanism, solution.raw.iterations,
+        solution.raw.solver, stopped=clock.reason, force=force, residuals=residuals,
     )  # fmt: skip
+
+
+def _solution(problem: Problem, options: RBEOptions, clock: Clock) -> EquilibriumSolution:
+    """The solution of the program, in the penalised form where the options ask for it."""
+    tension = options.tension
+    clock.tell("forces with tension" if tension else "equilibrium", int(tension), 2)
+    return solved(
+        partial(_program, options=options, tension=tension),
+        problem.statics,
+        replace(options.conic, time_limit_s=clock.left_s),
+        stop=clock.late,
+        vertex=options.objective is Objective.VERTEX,
+    )
+
+
+def _with_tension(found: Result, options: RBEOptions, clock: Clock) -> Result:
+    """The result with forces and the tension that they need, where no forces without any do."""
+    problem = Problem.build(found.model)
+    if clock.late() or problem.statics.crushing is not None:
+        return found
+    penalised, message = _solution(problem, options, clock), found.message
+    if penalised.raw.status is ConicStatus.SOLVED:
+        force = problem.force(penalised.force)
+        tension = problem.force(penalised.tension[:, None])[:, 0]
+        residuals = check_forces(problem.model, force)
+        return replace(found, force=force, tension=tension, residuals=residuals)
+    if clock.late():
+        message += f"; {clock.reason} before the tension that it needs was known"
+    elif options.rule is FrictionRule.NET:
+        message += "; friction on the net normal force cannot balance them with tension"
+    return replace(found, message=message, stopped=clock.reason)
 
 
 def _result(

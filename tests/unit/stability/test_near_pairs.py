@@ -134,6 +134,19 @@ def test_equilibrium_is_not_denied_because_of_a_near_pair() -> None:
     assert solve_rbe(above(0.3)).verdict is Verdict.UNSTABLE
 
 
+def test_the_tension_that_a_fall_needs_is_that_of_its_own_joints() -> None:
+    near = box((1, 1, 1), (0.8, 1.02, 1), name="near")
+    blocks = box((1, 1, 1), name="base"), box((1, 1, 1), (0.8, 0, 1), name="tips"), near
+    model = Model.of(Assembly(blocks).with_fixed(["base", "near"]), friction=0.1)
+    found = solve_rbe(model)
+    assert found.verdict is Verdict.UNSTABLE
+    assert found.model is model
+    assert found.force is not None
+    assert found.tension is not None
+    assert len(found.force) == len(found.tension) == model.contacts.corner_count
+    assert found.tension.max() > 0.0
+
+
 def test_a_model_without_any_contact_has_no_equilibrium() -> None:
     blocks = (box((1, 1, 1), name="low"), box((1, 1, 1), (0, 0, 5), name="high"))
     found = solve_rbe(Assembly(blocks).with_fixed(["low"]))
