@@ -278,8 +278,8 @@ class Attempt:
         """The rest state that rounds with given friction lead to, if there is one."""
         state = find_rest_by_rounds(self.problem.statics, self.springs, PROVED, start, self.late)
         self.steps += state.iterations
-        found = self._examined(state)
-        return found if state.converged and found.stands else None
+        found = self._examined(state) if state.converged else None
+        return found if found is not None and found.stands else None
 
     def _with_forces(self, force: Floats, motion: Floats) -> Start | None:
         """A start with forces (k, 3) [N] at a scaled motion (n, 6), if there is one."""
