@@ -117,9 +117,9 @@ def limit_tilt(
     if means.asks:
         means.tell("rest state", 0)
         rest = one_stiffness(model, stop=means.clock.late)
-    if rest is not None and model.contacts.corner_count <= MANY:
-        means.tell("limit of equilibrium", 0)
-        ways, known = _weaker_first(ways, means, rest)
+        if model.contacts.corner_count <= MANY and not means.clock.late():
+            means.tell("limit of equilibrium", 0)
+            ways, known = _weaker_first(ways, means, rest)
     first, *others = ways.values()
     limit = tilt_limit(first, upper, means, known.get(first), rest)
     for family in others:

@@ -156,6 +156,17 @@ def test_a_tilt_without_an_axis_is_the_least_of_four() -> None:
     assert "about other axes it may fall before: not all are searched" in said
 
 
+def test_a_tilt_that_is_stopped_at_once_asks_for_no_forces(monkeypatch: pytest.MonkeyPatch) -> None:
+    def asked(*_: object) -> None:
+        raise AssertionError
+
+    monkeypatch.setattr("drystone.limits.limits.tilt_factor", asked)
+    late = limit_tilt(Model(TOWER, JOINTS), stop=lambda: True)
+    assert late.stopped == "it was interrupted"
+    with pytest.raises(AssertionError):
+        limit_tilt(Model(TOWER, JOINTS))
+
+
 def test_loads_keep_their_direction_while_the_model_turns() -> None:
     load = LoadCase.gravity(TOWER) + LoadCase.moment(TOWER, 1, (1.0, 2.0, 3.0))
     turned = Tilt(Model(TOWER, JOINTS, load), np.array([0.0, 1.0, 0.0])).turned(90.0)
