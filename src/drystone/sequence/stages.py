@@ -166,7 +166,8 @@ class StageCheck:
         Time limit of every check; what is not decided until then is UNDECIDED.
     brief
         Where a similar stage stands and this one does not rest near it, ask for a mechanism first.
-        It is the answer then: which blocks would fall freely is not looked for.
+        It is the answer then: which blocks would fall freely is not looked for. Where there is none
+        few blocks begin with the forces that balance the loads.
     """
 
     options: CheckOptions = field(default_factory=CheckOptions)
@@ -213,6 +214,8 @@ class StageCheck:
             motion = asked.collapse if rest is None and motion is None else motion
             if motion is not None:
                 return asked.unstable(UNBALANCED, motion)
+            if rest is None and problem.equilibrium_first and not problem.has_light:
+                rest = asked.attempt().from_balance(asked.balance)
         found = decided(asked, near=near, rest=rest)
         shown = found.verdict is not Verdict.UNDECIDED or found.samples.standing > 0
         if shown or not self.options.uniform:

@@ -267,12 +267,17 @@ class Attempt:
         self, ended: Candidate, balance: Callable[[], Floats | None] | None
     ) -> Candidate | None:
         """The rest state from forces (k, 3) [N] that balance the loads, or where a path ended."""
-        statics, force = self.problem.statics, balance and balance()
+        statics, found = self.problem.statics, self.from_balance(balance and balance())
         motion = statics.scaled_motion(ended.displacement, statics.mean_length)
         normal = ended.force[self.problem.corners, 0] / statics.force_unit
-        near = None if force is None else self._with_forces(force, np.zeros_like(motion))
-        found = near and self._by_rounds(near)
         return found or self._by_rounds(Start(motion, np.maximum(normal, 0.0)))
+
+    def from_balance(self, force: Floats | None) -> Candidate | None:
+        """The rest state that rounds from balancing forces (k, 3) [N] lead to, if there is one."""
+        if force is None:
+            return None
+        start = self._with_forces(force, np.zeros_like(self.problem.statics.load))
+        return start and self._by_rounds(start)
 
     def _by_rounds(self, start: Start) -> Candidate | None:
         """The rest state that rounds with given friction lead to, if there is one."""

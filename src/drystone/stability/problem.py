@@ -22,6 +22,7 @@ from drystone.checks import (
 )
 from drystone.contacts import Contacts
 from drystone.formulations.equilibrium import EquilibriumSolution, held_still
+from drystone.mechanics.bodies import LIGHT
 from drystone.mechanics.increments import FEW
 from drystone.mechanics.rest_state import RestState
 from drystone.mechanics.statics import Statics, build_statics
@@ -128,6 +129,11 @@ class Problem:
         to a rest state; where there is no rest state, that path takes twice as long.
         """
         return self.statics.dry and self.statics.free_count <= FEW
+
+    @property
+    def has_light(self) -> bool:
+        """Whether the load of a block is hardly any of the mean one."""
+        return bool(self.statics.load_size.min() < LIGHT)
 
     @cached_property
     def acceleration(self) -> Floats:

@@ -26,7 +26,6 @@ from drystone.base.workers import WorkerPool
 from drystone.io.opening import Given, LongHow, supported_model
 from drystone.joints import SWAY
 from drystone.mechanics import law
-from drystone.mechanics.bodies import LIGHT
 from drystone.model import Model
 from drystone.results import Result, Sensitivity, Verdict
 from drystone.settlement import UNDECIDED, Carrier, Outcome, Settlement, SettlementOptions
@@ -172,7 +171,7 @@ def _by_one_stiffness(
         found = asked.attempt().from_nothing(
             falls=lambda: asked.collapse is not None,
             # uniform springs say little of light blocks, which are followed by what they feel
-            balance=None if _has_light(asked) else lambda: asked.balance,
+            balance=None if asked.problem.has_light else lambda: asked.balance,
         )
     asked.count(found)
     return found
@@ -319,11 +318,6 @@ def _by_what_blocks_feel(asked: Asked, uniform: Candidate) -> Candidate | None:
     return None
 
 
-def _has_light(asked: Asked) -> bool:
-    """Whether the load of a block is hardly any of the mean one."""
-    return bool(asked.problem.statics.load_size.min() < LIGHT)
-
-
 def _balance(asked: Asked, uniform: Candidate) -> Floats:
     """Corner forces (k, 3) [N] that balance the loads, where there are some."""
     known = asked.balance
@@ -467,7 +461,7 @@ def _followed(asked: Asked, pool: WorkerPool, uniform: Candidate, spread: Model 
     hardly = asked.problem.unpressed.any()
     if hardly:  # a plug that hardly tapers presses more and more on a long way
         options = replace(options, fall=max(options.fall, SettlementOptions().fall))
-    light, felt = _has_light(asked), None
+    light, felt = asked.problem.has_light, None
     if light:
         felt = _balance(asked, uniform)
     model, workers = asked.problem.model, pool.executor

@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 
 import drystone
-from drystone import InputError, Model, Structure, Verdict, check
+from drystone import CheckOptions, InputError, Model, Structure, Verdict, check
 from drystone.models import arch, bridge, corbelled_wall, dome, tower, wall
 from drystone.sequence import Evaluator, Stage, StagedModel
-from drystone.sequence.stages import ALIKE, mask_of
+from drystone.sequence.stages import ALIKE, StageCheck, mask_of
+from drystone.stability.problem import Problem
 
 
 def orders(model: Model, seed: int, count: int) -> np.ndarray:
@@ -261,3 +262,13 @@ def test_edges_that_meet_where_a_block_is_gone_may_hold_a_subset():
     assert found.verdict is checked(model, np.isin(np.arange(len(model)), blocks))
     assert found.verdict is Verdict.UNDECIDED
     assert "direction in which edges press" in found.message
+
+
+def test_what_does_not_rest_near_a_similar_part_begins_with_forces_that_balance_its_loads():
+    model = Model.of(bridge(), friction=0.66)
+    near = check(model).displacement
+    part = model.with_supports([0, 1, 9]).subset([0, 1, 2, *range(4, 11)])
+    brief = StageCheck(CheckOptions(), brief=True)
+    found = brief.begun_at(Problem.build(part), np.delete(near, 3, axis=0))
+    assert found.stable
+    assert found.iterations < 60  # 118 by the path from nothing
