@@ -277,7 +277,7 @@ class Attempt:
         if force is None:
             return None
         start = self._with_forces(force, np.zeros_like(self.problem.statics.load))
-        return start and self._by_rounds(start)
+        return None if start is None else self._by_rounds(start)
 
     def _by_rounds(self, start: Start) -> Candidate | None:
         """The rest state that rounds with given friction lead to, if there is one."""
