@@ -28,6 +28,11 @@ corners, and seven times as long at 16 blocks of 1,200 corners."""
 SINGLE_FROM = 200
 """Free blocks from which on factors have single precision: fewer gain no time."""
 
+FAINT = 1e-16
+"""Number of a matrix in single precision below which it is left out: products of such numbers are
+denormal, which processors multiply slowly. Measured: factors of a dome of 2,000 blocks take 38 ms
+in place of 60 to 83, its check 0.55 of the time, tilted by 28 degrees 0.7, in as many steps."""
+
 
 class FullMaps:
     """The maps of few blocks, as a full matrix.
@@ -184,6 +189,7 @@ class SparseMaps:
             return exact()
         try:
             blocks = self.blocks(tangent, weight).astype(np.float32)
+            blocks[np.abs(blocks) < FAINT] = 0.0
             return Refined(self.ordering.factorise(blocks).solve, product, exact)
         except SolverError:  # singular to so few digits
             return exact()
