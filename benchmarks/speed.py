@@ -43,8 +43,8 @@ ALL_BY_ONE = 2.5
 """Aims: growth exponent, peak memory at 10,000 blocks, times faster than the peer, and
 from LARGE blocks on the time with all stiffnesses by that with the uniform one alone."""
 
-
 CONVEX = ("piqp", "clarabel")
+"""Solvers of the question of RBE, as ``benchmarks.convex`` asks them."""
 
 
 @dataclass(frozen=True)
@@ -89,11 +89,13 @@ class Row:
             return math.nan
         return float(self.peer["solve_s"]) / float(self.ours[phase])
 
-    def convex_ratio(self, phase: str = "total_s") -> float:
-        """Time of the faster convex solver for RBE by ours; not a number where none solved it."""
-        times = [self.convex[f"{name}_s"] for name in CONVEX if f"{name}_s" in self.convex]
-        own = {"rbe_s": self.convex.get("rbe_s"), "total_s": self.seconds}[phase]
-        return min(times) / own if times and own else math.nan
+    def convex_ratio(self, seconds: float | None = None) -> float:
+        """Time of the faster convex solver for RBE by our solve, or by some seconds.
+
+        Not a number where they were not asked.
+        """
+        fastest = min(self.convex.get(f"{name}_s", math.nan) for name in CONVEX)
+        return float(fastest) / (self.seconds if seconds is None else seconds)
 
     @property
     def differs(self) -> bool:
@@ -193,7 +195,7 @@ def table(rows: Sequence[Row]) -> list[str]:
             more + seconds(row.ratio()) if row.ratio() == row.ratio() else "",
             more + seconds(row.ratio("whole_s")) if row.ratio("whole_s") > 0.0 else "",
             *(seconds(row.convex.get(f"{name}_s")) for name in ("rbe", *CONVEX)),
-            seconds(row.convex_ratio("rbe_s")),
+            seconds(row.convex_ratio(row.convex.get("rbe_s"))),
             seconds(row.convex_ratio()),
         ]
         lines.append("| " + " | ".join(str(cell) for cell in cells) + " |")
@@ -264,7 +266,8 @@ def aims(rows: Sequence[Row]) -> list[str]:
         if found:
             middle = statistics.median(found)
             line(f"RBE by the best convex solver / our check, {what}, median", "", middle, None)
-    line("RBE answers that differ from both", "0", (n := sum(r.differs for r in rows)), n == 0)
+    differ = sum(row.differs for row in rows)
+    line("RBE answers that differ from both", "0", differ, differ == 0)
     exponent = slope(big)
     line("growth exponent from 400 blocks", f"{GROWTH:g}", exponent, exponent <= GROWTH)
     theirs = slope(

@@ -65,7 +65,7 @@ IDLE = 0.8
 Measured: a dome of 51 by 40 that is tilted by 0, 4 and 8 degrees takes 21, 32 and 34 factorisations
 without and 19, 23 and 25 with it; 50 other domes, vaults and walls take 1,580 and 1,583."""
 
-ROUNDS, OWN_LAW_EVERY = 50, 5
+TRIES, OWN_LAW_EVERY = 50, 5
 """Tries at most, every so many of them by Coulomb's law and the others with given friction.
 Measured on 128 models whose path does not converge: 35 are found, after 0 to 28 rounds. What falls
 mostly ends in the first or second."""
@@ -114,15 +114,14 @@ def find_rest_by_rounds(
     start: Start,
     stop: Callable[[], bool],
 ) -> RestState:
-    """As :func:`find_rest_nearby`, by rounds with friction that the last normal forces give."""
+    """As :func:`find_rest_nearby`, by rounds with friction that the last normal forces give.
+
+    Those of the start give it first. The state is ``converged`` where Coulomb's law holds in it.
+    """
     steps = 0
-    for number in range(ROUNDS):
-        own, springs = number % OWN_LAW_EVERY == 0, compliance
-        if not own:
-            most = FrictionBound(
-                np.zeros_like(start.normal), compliance.friction.bound(start.normal)
-            )
-            springs = replace(compliance, friction=replace(compliance.friction, bound=most))
+    for number in range(TRIES):
+        own = number % OWN_LAW_EVERY == 0
+        springs = compliance if own else _with_given_friction(compliance, start.normal)
         state = find_rest_nearby(statics, springs, options, start, stop)
         steps += state.iterations
         if state.converged is own:
@@ -130,6 +129,13 @@ def find_rest_by_rounds(
         if not own:
             start = Start(state.motion, state.force[:, 0] + state.tension)
     return replace(state, iterations=steps, converged=own and state.converged)
+
+
+def _with_given_friction(compliance: Compliance, normal: Floats) -> Compliance:
+    """The same with the largest friction (k,) that some normal forces (k,) allow."""
+    law = compliance.friction
+    given = FrictionBound(np.zeros_like(normal), cohesion=law.bound(normal))
+    return replace(compliance, friction=replace(law, bound=given))
 
 
 def with_forces(

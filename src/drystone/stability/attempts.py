@@ -283,8 +283,7 @@ class Attempt:
         """The rest state that rounds with given friction lead to, if there is one."""
         state = find_rest_by_rounds(self.problem.statics, self.springs, PROVED, start, self.late)
         self.steps += state.iterations
-        found = self._examined(state) if state.converged else None
-        return found if found is not None and found.stands else None
+        return self._proved(state)
 
     def _with_forces(self, force: Floats, motion: Floats) -> Start | None:
         """A start with forces (k, 3) [N] at a scaled motion (n, 6), if there is one."""
@@ -300,11 +299,13 @@ class Attempt:
         statics = self.problem.statics
         state = find_rest_nearby(statics, self.springs, PROVED, start, self.late, hurried)
         self.last = state
-        if not state.converged:
-            return None
-        self.steps += state.iterations
-        found = self._examined(state)
-        return found if found.stands else None
+        self.steps += state.iterations if state.converged else 0
+        return self._proved(state)
+
+    def _proved(self, state: RestState) -> Candidate | None:
+        """A state in physical numbers, where it has converged and stands."""
+        found = self._examined(state) if state.converged else None
+        return found if found is not None and found.stands else None
 
     def from_nothing(
         self,
